@@ -1,0 +1,93 @@
+#include "world/memory.h"
+
+#include "world/cuda_runtime.h"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <limits>
+
+namespace sahel {
+
+namespace {
+constexpr uint64_t k_host_alignment = 64; // one cache line, one AVX-512 register
+#if defined(SAHEL_DEBUG)
+void poison(void* data, uint64_t bytes) {
+    auto* words = static_cast<uint32_t*>(data);
+    for (uint64_t i = 0; i < bytes / 4; ++i) words[i] = 0x7FA00000u; // a signalling NaN
+}
+#endif
+} // namespace
+
+MemoryPool::~MemoryPool() {
+    SAHEL_CHECK_EQ(used_bytes(), 0u);
+}
+
+MemoryPool& MemoryPool::host() {
+    // Never destroyed: buffers with static lifetime may outlive any other static object.
+    static auto* pool = new MemoryPool("host", MemoryKind::host, std::numeric_limits<uint64_t>::max());
+    return *pool;
+}
+
+bool MemoryPool::reserve(uint64_t bytes) {
+    uint64_t used = used_bytes_.load(std::memory_order_relaxed);
+    do {
+        if (bytes > limit_bytes_ || used > limit_bytes_ - bytes) return false;
+    } while (!used_bytes_.compare_exchange_weak(used, used + bytes, std::memory_order_relaxed));
+    uint64_t peak = peak_bytes_.load(std::memory_order_relaxed);
+    while (peak < used + bytes && !peak_bytes_.compare_exchange_weak(peak, used + bytes, std::memory_order_relaxed)) {
+    }
+    return true;
+}
+
+void MemoryPool::release(uint64_t bytes) {
+    const uint64_t before = used_bytes_.fetch_sub(bytes, std::memory_order_relaxed);
+    SAHEL_CHECK_LE(bytes, before);
+}
+
+Result<Buffer> Buffer::allocate(MemoryPool& pool, uint64_t bytes) {
+    Buffer buffer;
+    if (bytes == 0) return buffer;
+    const uint64_t rounded = (bytes + k_host_alignment - 1) / k_host_alignment * k_host_alignment;
+    if (rounded < bytes || !pool.reserve(rounded))
+        return Error{ErrorKind::budget,
+                     fmt::format("memory pool '{}': {} bytes asked, {} of {} in use; raise the limit or load less",
+                                 pool.name(), bytes, pool.used_bytes(), pool.limit_bytes())};
+    void* data = nullptr;
+    if (pool.kind() == MemoryKind::cuda) {
+        auto allocated = cuda::allocate(rounded);
+        if (!allocated.ok()) {
+            pool.release(rounded);
+            return allocated.error();
+        }
+        data = allocated.value();
+    } else {
+        data = std::aligned_alloc(k_host_alignment, rounded);
+        if (!data) {
+            pool.release(rounded);
+            return Error{ErrorKind::io, fmt::format("memory pool '{}': the machine could not give {} bytes", pool.name(),
+                                                    rounded)};
+        }
+#if defined(SAHEL_DEBUG)
+        poison(data, rounded);
+#endif
+    }
+    buffer.pool_ = &pool;
+    buffer.data_ = data;
+    buffer.bytes_ = rounded;
+    return buffer;
+}
+
+void Buffer::reset() {
+    if (!data_) return;
+    if (pool_->kind() == MemoryKind::cuda)
+        cuda::free(data_);
+    else
+        std::free(data_);
+    pool_->release(bytes_);
+    pool_ = nullptr;
+    data_ = nullptr;
+    bytes_ = 0;
+}
+
+} // namespace sahel
