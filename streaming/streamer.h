@@ -22,6 +22,13 @@ struct NodeHandle {
     explicit operator bool() const { return generation != 0; }
 };
 
+/// What a resident tile leaves on the host for the loads of its children (a coarse height grid to cast shadows from).
+class TileContext {
+  public:
+    virtual ~TileContext() = default;
+    [[nodiscard]] virtual uint64_t bytes() const = 0;
+};
+
 /// What a loaded tile is to its user (the renderer's tile textures on their way to the GPU). Made on a worker.
 class TilePayload {
   public:
@@ -29,6 +36,8 @@ class TilePayload {
     [[nodiscard]] virtual uint64_t bytes() const = 0; ///< host bytes held until published
     [[nodiscard]] virtual float min_height_m() const = 0;
     [[nodiscard]] virtual float max_height_m() const = 0;
+    /// Kept by the streamer while the tile is resident and handed to the loads of its children; may be null.
+    [[nodiscard]] virtual std::shared_ptr<const TileContext> context() const { return nullptr; }
 };
 
 /// Position and view, world metres: x east, y south, z up.
