@@ -151,10 +151,8 @@ TEST(Params, JsonErrorsNameFileKeyAndRange) {
     EXPECT_EQ(error_of(R"({"note": null})"), "w.json: 'talus.note' must be text, 0 to 8 characters, not null");
     EXPECT_EQ(error_of(R"([1])"), "w.json: 'talus' must be an object, not an array");
     EXPECT_EQ(error_of(R"({"sweeps": 2, "sweeps": 3})"), "w.json: the key 'sweeps' is given twice in one object");
-    EXPECT_EQ(
-        error_of("{\"sweeps\": 2,\n  oops}"),
-        "w.json: not valid JSON: parse error at line 2, column 3: syntax error while parsing object key - invalid "
-        "literal; last read: '2,\\n  o'; expected string literal");
+    const std::string broken = error_of("{\"sweeps\": 2,\n  oops}");
+    EXPECT_EQ(broken.find("w.json: not valid JSON: parse error at line 2, column 3"), 0u) << broken;
     EXPECT_NE(error_of("{\"far_m\": 1e999}").find("w.json: not valid JSON"), std::string::npos);
     EXPECT_EQ(error_of("{}"), "no error");
 }
