@@ -1,0 +1,109 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+    int exit_code = -1;
+    std::string output; ///< standard output and standard error
+};
+
+Outcome run(const std::string& arguments) {
+    const std::string command = std::string(SAHEL_PROGRAM) + " " + arguments + " 2>&1 </dev/null";
+    Outcome outcome;
+    FILE* pipe = popen(command.c_str(), "r");
+    if (!pipe) return outcome;
+    std::array<char, 4096> chunk{};
+    while (const size_t n = std::fread(chunk.data(), 1, chunk.size(), pipe)) outcome.output.append(chunk.data(), n);
+    const int status = pclose(pipe);
+    outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return outcome;
+}
+
+class CommandLine : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::string pattern = (fs::temp_directory_path() / "sahel-cli-XXXXXX").string();
+        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+        folder_ = pattern;
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+    [[nodiscard]] std::string world() const { return (folder_ / "world").string(); }
+    fs::path folder_;
+};
+
+size_t lines_of(const std::string& text) {
+    return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+TEST_F(CommandLine, EverySubcommandHasHelp) {
+    const Outcome top = run("--help");
+    EXPECT_EQ(top.exit_code, 0);
+    for (const char* name : {"new", "import", "fly", "demo", "info", "hash", "verify", "bench", "doctor"}) {
+        EXPECT_NE(top.output.find(name), std::string::npos) << name;
+        const Outcome help = run(std::string(name) + " --help");
+        EXPECT_EQ(help.exit_code, 0) << name;
+        EXPECT_NE(help.output.find("Usage"), std::string::npos) << name << ": " << help.output;
+    }
+}
+
+TEST_F(CommandLine, MistakesInTheCallExitWithTwoAndOneLine) {
+    for (const char* arguments : {"", "nosuch", "new", "info", "new W --seed x", "fly", "bench --nosuch"}) {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exit_code, 2) << arguments << ": " << outcome.output;
+        EXPECT_EQ(lines_of(outcome.output), 1u) << arguments << ": " << outcome.output;
+    }
+    for (const std::string& arguments :
+         {"new " + world() + " --preset nosuch", "new " + world() + " --tile 100", "new " + world() + " --cell 0",
+          "new " + world() + " --terrain.nosuch=1", "new " + world() + " --terrain.dune_m=abc"}) {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exit_code, 2) << arguments << ": " << outcome.output;
+        EXPECT_EQ(lines_of(outcome.output), 1u) << arguments << ": " << outcome.output;
+        EXPECT_FALSE(fs::exists(world())) << arguments;
+    }
+}
+
+TEST_F(CommandLine, MissingWorldExitsWithOneAndNamesIt) {
+    for (const char* name : {"info", "hash", "verify", "fly --headless --frames 1 --out x.png"}) {
+        const Outcome outcome = run(std::string(name) + " " + world());
+        EXPECT_EQ(outcome.exit_code, 1) << name << ": " << outcome.output;
+        EXPECT_NE(outcome.output.find(world()), std::string::npos) << outcome.output;
+        EXPECT_EQ(lines_of(outcome.output), 1u) << outcome.output;
+    }
+}
+
+TEST_F(CommandLine, NewInfoHashVerify) {
+    EXPECT_EQ(run("new " + world() + " --preset dunes --seed 42 --tile 256 --cell 2").exit_code, 0);
+    const Outcome info = run("info " + world() + " --json");
+    EXPECT_EQ(info.exit_code, 0);
+    for (const char* part : {"\"seed\": 42", "\"preset\": \"dunes\"", "\"tile_cells\": 256", "\"cell_m\": 2.0"})
+        EXPECT_NE(info.output.find(part), std::string::npos) << part << " in " << info.output;
+    const Outcome hash = run("hash " + world());
+    EXPECT_EQ(hash.exit_code, 0);
+    EXPECT_EQ(hash.output.size(), 33u) << hash.output; // 32 digits and the end of the line
+    EXPECT_EQ(run("verify " + world()).exit_code, 0);
+    const Outcome again = run("new " + world());
+    EXPECT_EQ(again.exit_code, 2) << again.output;
+    EXPECT_NE(again.output.find(world()), std::string::npos) << again.output;
+}
+
+TEST_F(CommandLine, VerifyFindsAFileThatDoesNotBelong) {
+    ASSERT_EQ(run("new " + world() + " --tile 128").exit_code, 0);
+    fs::create_directories(world() + "/tiles");
+    std::ofstream(world() + "/tiles/stray.exr") << "x";
+    const Outcome verify = run("verify " + world());
+    EXPECT_EQ(verify.exit_code, 1) << verify.output;
+    EXPECT_NE(verify.output.find("stray.exr"), std::string::npos) << verify.output;
+}
+
+} // namespace
