@@ -9,7 +9,7 @@
 ///     // noise_rows.h                                     // noise_rows.cpp, through sahel_add_isa_sources(...)
 ///     SAHEL_ISA_DECLARE(void noise_rows(Rows rows))       namespace sahel::SAHEL_ISA_NAMESPACE {
 ///                                                         void noise_rows(Rows rows) { ... }
-///     // caller                                           }
+///     // a caller in the same namespace                   }
 ///     SAHEL_ISA_CALL(noise_rows, rows);
 ///
 /// What such a source shares with other files must be always_inline (SAHEL_HD) or live in its own SAHEL_ISA_NAMESPACE:

@@ -41,12 +41,13 @@ struct FieldView {
     }
     /// Start of row y at x = 0.
     SAHEL_HD T* row(int32_t y) const { return origin + y * stride; }
-    [[nodiscard]] int32_t width() const { return x1 - x0; }
-    [[nodiscard]] int32_t height() const { return y1 - y0; }
+    [[nodiscard]] SAHEL_HD int32_t width() const { return x1 - x0; }
+    [[nodiscard]] SAHEL_HD int32_t height() const { return y1 - y0; }
 
-    operator FieldView<const T>() const // NOLINT(google-explicit-constructor)
-        requires(!std::is_const_v<T>)
-    {
+    /// To the view that only reads.
+    template <class U>
+        requires(std::is_same_v<U, const T> && !std::is_const_v<T>)
+    SAHEL_HD operator FieldView<U>() const { // NOLINT(google-explicit-constructor)
         return {origin, stride, x0, y0, x1, y1};
     }
 };
