@@ -67,14 +67,14 @@ SAHEL_HD float sqrt(float x) {
 #else
     const float root = __builtin_sqrtf(x);
 #endif
-    return root != root ? k_nan : root;
+    return pick(root != root, k_nan, root);
 }
 /// Largest whole number not above x. Exact.
 SAHEL_HD float floor(float x) {
     const float magnitude = abs(x);
     const bool small = magnitude < 0x1p23f; // else x is whole, infinite or not a number
     const float whole = static_cast<float>(static_cast<int32_t>(pick(small, x, 0.0f)));
-    const float down = whole > x ? whole - 1.0f : whole;
+    const float down = pick(whole > x, whole - 1.0f, whole);
     return pick(small, copysign(down, x), pick(x != x, k_nan, x));
 }
 
@@ -120,8 +120,8 @@ struct Split {
 SAHEL_HD Split split(float x) {
     constexpr uint32_t k_sqrt_half = 0x3F3504F3u;
     const bool denormal = x < 0x1p-126f;
-    const uint32_t bits = bits_of(denormal ? x * 0x1p24f : x) + (0x3F800000u - k_sqrt_half);
-    const int32_t k = static_cast<int32_t>(bits >> 23) - (denormal ? 151 : 127);
+    const uint32_t bits = bits_of(pick(denormal, x * 0x1p24f, x)) + (0x3F800000u - k_sqrt_half);
+    const int32_t k = static_cast<int32_t>(bits >> 23) - 127 - 24 * static_cast<int32_t>(denormal);
     return {float_of((bits & 0x007FFFFFu) + k_sqrt_half), static_cast<float>(k)};
 }
 /// log(1 + f) - (f - f*f/2), for 1 + f in [sqrt(1/2), sqrt(2)): with s = f / (2 + f), log(1 + f) = 2 atanh(s).
@@ -133,9 +133,9 @@ SAHEL_HD float log_tail(float f, float half_square) {
 }
 /// The special values of a logarithm: 0, negative, infinite, not a number.
 SAHEL_HD float log_special(float x, float result) {
-    result = x == k_inf ? k_inf : result;
-    result = x == 0.0f ? -k_inf : result;
-    return x >= 0.0f ? result : k_nan;
+    result = pick(x == k_inf, k_inf, result);
+    result = pick(x == 0.0f, -k_inf, result);
+    return pick(x >= 0.0f, result, k_nan);
 }
 
 } // namespace detail
@@ -154,7 +154,7 @@ SAHEL_HD float exp(float x) {
     q = q * r + 0x1.55549p-3f;
     q = q * r + 0x1.fffffcp-2f;
     const float result = detail::scale(1.0f + (r + r * r * q), n);
-    return x != x ? k_nan : result;
+    return pick(x != x, k_nan, result);
 }
 
 SAHEL_HD float exp2(float x) {
@@ -162,7 +162,7 @@ SAHEL_HD float exp2(float x) {
     int32_t n = 0;
     const float whole = detail::nearest(inside, n);
     const float result = detail::scale(detail::exp2_core(inside - whole), n);
-    return x != x ? k_nan : result;
+    return pick(x != x, k_nan, result);
 }
 
 SAHEL_HD float log(float x) {
@@ -260,7 +260,7 @@ inline constexpr float k_trig_max = 0x1p21f;
 
 SAHEL_HD SinCos sincos(float x) {
     const float ax = abs(x);
-    const float inside = ax <= k_trig_max ? ax : 0.0f;
+    const float inside = pick(ax <= k_trig_max, ax, 0.0f);
     int32_t n = 0;
     const float whole = detail::nearest(inside * 0x1.45f306p-1f, n);
     // pi / 2 in parts of 11 bits: whole * part is exact for whole < 2^13. The first two differences are exact; what the
@@ -280,10 +280,10 @@ SAHEL_HD SinCos sincos(float x) {
     const float c = head + (((1.0f - head) - half) + (c_tail - r * r_lo));
     const uint32_t quadrant = static_cast<uint32_t>(n);
     const bool swapped = (quadrant & 1u) != 0u;
-    const uint32_t sin_bits = bits_of(swapped ? c : s) ^ ((quadrant & 2u) << 30) ^ (bits_of(x) & 0x80000000u);
-    const uint32_t cos_bits = bits_of(swapped ? s : c) ^ (((quadrant + 1u) & 2u) << 30);
+    const uint32_t sin_bits = bits_of(pick(swapped, c, s)) ^ ((quadrant & 2u) << 30) ^ (bits_of(x) & 0x80000000u);
+    const uint32_t cos_bits = bits_of(pick(swapped, s, c)) ^ (((quadrant + 1u) & 2u) << 30);
     const bool valid = ax < k_inf;
-    return {valid ? float_of(sin_bits) : k_nan, valid ? float_of(cos_bits) : k_nan};
+    return {pick(valid, float_of(sin_bits), k_nan), pick(valid, float_of(cos_bits), k_nan)};
 }
 SAHEL_HD float sin(float x) {
     return sincos(x).sin;
@@ -297,15 +297,15 @@ SAHEL_HD float atan2(float y, float x) {
     const float ax = abs(x);
     const float ay = abs(y);
     const bool steep = ay > ax;
-    const float large = steep ? ay : ax;
-    const float small = steep ? ax : ay;
+    const float large = pick(steep, ay, ax);
+    const float small = pick(steep, ax, ay);
     // Both infinite is 45 degrees, both zero is 0; the largest are scaled so that their sum is finite.
-    const float shrink = large > 0x1p126f ? 0.25f : 1.0f;
-    const float a = small == k_inf ? 1.0f : (large == k_inf ? 0.0f : small * shrink);
-    const float b = (large == k_inf) | (large == 0.0f) ? 1.0f : large * shrink;
+    const float shrink = pick(large > 0x1p126f, 0.25f, 1.0f);
+    const float a = pick(small == k_inf, 1.0f, pick(large == k_inf, 0.0f, small * shrink));
+    const float b = pick((large == k_inf) | (large == 0.0f), 1.0f, large * shrink);
     // atan(a / b) = pi/4 + atan((a - b) / (a + b)), used from 1/2 on, where a - b is exact
     const bool upper = a > 0.5f * b;
-    const float t = (upper ? a - b : a) / (upper ? a + b : b);
+    const float t = pick(upper, a - b, a) / pick(upper, a + b, b);
     const float z = t * t;
     float q = 0x1.3d055cp-5f;
     q = q * z - 0x1.46f5bp-4f;
@@ -318,12 +318,12 @@ SAHEL_HD float atan2(float y, float x) {
     constexpr float k_eighth_hi = 0x1.921fbp-1f; // 21 bits: times 1 to 4 is exact
     constexpr float k_eighth_lo = 0x1.5110b4p-23f;
     const bool left = (bits_of(x) >> 31) != 0u;
-    const float first = upper ? 1.0f : 0.0f;
-    const float quarter = steep ? 2.0f - first : first;
-    const float eighths = left ? 4.0f - quarter : quarter;
-    const float rest = steep != left ? -r : r;
+    const float first = pick(upper, 1.0f, 0.0f);
+    const float quarter = pick(steep, 2.0f - first, first);
+    const float eighths = pick(left, 4.0f - quarter, quarter);
+    const float rest = pick(steep != left, -r, r);
     const float angle = eighths * k_eighth_hi + (rest + eighths * k_eighth_lo);
-    return (x != x) | (y != y) ? k_nan : copysign(angle, y);
+    return pick((x != x) | (y != y), k_nan, copysign(angle, y));
 }
 SAHEL_HD float atan(float x) {
     return atan2(x, 1.0f);

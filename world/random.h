@@ -84,11 +84,14 @@ SAHEL_HD float uniform(uint32_t bits) {
 /// one tick is the probability of one tick more. For processes slower than a tick per step. Odd in `ticks`, so that
 /// what one cell gives is what the other takes.
 SAHEL_HD int32_t stochastic_round(float ticks, uint32_t bits) {
-    const float magnitude = ticks < 0.0f ? -ticks : ticks;
+    const uint32_t sign = __builtin_bit_cast(uint32_t, ticks) & 0x80000000u;
+    const float magnitude = __builtin_bit_cast(float, __builtin_bit_cast(uint32_t, ticks) ^ sign);
     const int32_t whole = static_cast<int32_t>(magnitude);
     const float part = magnitude - static_cast<float>(whole); // exact
-    const int32_t more = static_cast<int32_t>(bits >> 1) < static_cast<int32_t>(part * 0x1p31f) ? 1 : 0;
-    return ticks < 0.0f ? -(whole + more) : whole + more;
+    const int32_t threshold = static_cast<int32_t>(part * 0x1p31f);
+    const int32_t more = static_cast<int32_t>(static_cast<int32_t>(bits >> 1) < threshold);
+    const int32_t flip = -static_cast<int32_t>(sign >> 31); // 0, or all bits of a negative amount; no branch
+    return ((whole + more) ^ flip) - flip;
 }
 
 } // namespace sahel
