@@ -12,7 +12,8 @@
 ///
 /// A view tile has 512 x 512 cells of its level whatever the store's tile size is, and reads a halo around them.
 ///
-///   lattice   heights at cell *corners*: spacing 2, 4 and 8 cells (257^2, 129^2, 65^2 values; 2 and 4 only at level 0).
+///   lattice   heights at cell *corners*: spacing 2, 4 and 8 cells (257^2, 129^2, 65^2 values; 2 and 4 only at level
+///   0).
 ///             A coarser lattice is the tent-filtered finer one, so geometry is band-limited; two tiles give the same
 ///             floats on their shared edge, because each value depends on the same cells in the same order.
 ///   textures  528 x 528 texels: 512 plus a border of 8, so that 4 mip levels (528, 264, 132, 66) filter across the
@@ -34,8 +35,7 @@ struct SunDirection {
 };
 
 /// Mip chain of a texture, level 0 first, tightly packed.
-template <class Texel>
-using MipChain = std::array<std::vector<Texel>, k_view_mips>;
+template <class Texel> using MipChain = std::array<std::vector<Texel>, k_view_mips>;
 
 struct Rgba8 {
     uint8_t r = 0, g = 0, b = 0, a = 0;
@@ -44,24 +44,35 @@ struct Snorm16x2 {
     int16_t x = 0, y = 0;
 };
 
-/// Heights of a tile and its surroundings, kept for the loads of its children: ground height at every fourth cell.
-class ViewTileContext;
+/// Heights of a tile, kept for the loads of its children: the mean ground of every 4 x 4 cells, 132 x 132 values from
+/// cell (-8, -8) on, and the chain of parents up to the root.
+class ViewTileContext final : public TileContext {
+  public:
+    static constexpr int k_side = k_view_texels / 4;
+    TileKey key;
+    double cell_m = 1.0; ///< of the tile's level
+    float max_m = 0.0f;  ///< highest ground of the tile
+    std::vector<float> ground_m;
+    std::shared_ptr<const ViewTileContext> parent;
+
+    [[nodiscard]] uint64_t bytes() const override { return sizeof(*this) + ground_m.size() * sizeof(float); }
+};
 
 class ViewTile final : public TilePayload {
   public:
     TileKey key;
-    float cell_m = 1.0f; ///< of this level
+    double cell_m = 1.0; ///< of this level
 
     /// Ground (rock + soil + sand) and water surface heights at lattice corners, m; index k_lattice_*; empty where the
     /// level has no such lattice. Where there is no water near, the water surface lies below the ground.
     std::array<std::vector<float>, k_lattice_count> ground_m;
     std::array<std::vector<float>, k_lattice_count> water_m;
 
-    MipChain<Snorm16x2> normal;  ///< x (east) and y (south) of the unit normal of the ground
-    MipChain<Rgba8> material;    ///< sand thickness (255 = 0.5 m), soil and litter, moisture, shore distance (-20 .. 60 m)
-    MipChain<Rgba8> bake;        ///< half size (264 ..): sun visibility, sky visibility, canopy shadow, canopy cover
-    MipChain<Snorm16x2> water;   ///< x: water surface minus ground, 1/256 m (clamped); y: rock exposure 0..32767
-    bool has_water = false;      ///< any lattice or texel with water above the ground
+    MipChain<Snorm16x2> normal; ///< x (east) and y (south) of the unit normal of the ground
+    MipChain<Rgba8> material; ///< sand thickness (255 = 0.5 m), soil and litter, moisture, shore distance (-20 .. 60 m)
+    MipChain<Rgba8> bake; ///< half size (264, 132, 66, 33): sun visibility, sky visibility, canopy shadow, canopy cover
+    MipChain<Snorm16x2> water; ///< x: water surface minus ground, 1/256 m (clamped); y: rock exposure 0..32767
+    bool has_water = false;    ///< any lattice or texel with water above the ground
 
     float min_m = 0.0f, max_m = 0.0f; ///< over ground and water lattices
     std::shared_ptr<const ViewTileContext> height_context;
