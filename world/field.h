@@ -112,8 +112,10 @@ SAHEL_HD float metres_of_ticks(int32_t ticks) {
 }
 /// Nearest tick (halves away from zero); the caller keeps |metres| below 16384.
 SAHEL_HD int32_t ticks_of_metres(float metres) {
-    const float t = metres * k_ticks_per_m;
-    return static_cast<int32_t>(t < 0.0f ? t - 0.5f : t + 0.5f);
+    const float t = metres * k_ticks_per_m; // exact: a power of two
+    const int32_t whole = static_cast<int32_t>(t);
+    const float part = t - static_cast<float>(whole); // exact, where adding a half would not be (|t| > 2^22)
+    return whole + static_cast<int32_t>(part >= 0.5f) - static_cast<int32_t>(part <= -0.5f);
 }
 
 } // namespace sahel
