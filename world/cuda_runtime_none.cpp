@@ -9,7 +9,11 @@ Error not_built() {
 } // namespace
 
 const DeviceStatus& status() {
-    static const DeviceStatus none{.why_not = "built without a CUDA compiler"};
+    static const DeviceStatus none = [] {
+        DeviceStatus s;
+        s.why_not = "built without a CUDA compiler";
+        return s;
+    }();
     return none;
 }
 
