@@ -326,7 +326,7 @@ std::map<std::string, std::vector<std::string>> disassembly(const std::string& o
     return functions;
 }
 
-void expect_packed(const std::string& object, bool v3) {
+[[maybe_unused]] void expect_packed(const std::string& object, bool v3) {
     if (std::system("objdump --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "objdump is not installed (binutils)";
     const auto functions = disassembly(object);
     ASSERT_EQ(functions.size(), static_cast<size_t>(test::k_det_rows)) << object;
