@@ -12,7 +12,7 @@
 
 /// On the one row loop of a CPU launcher: the compiler may assume that iterations do not depend on each other.
 #if defined(__clang__)
-#define SAHEL_VECTORIZE _Pragma("clang loop vectorize(enable) interleave(enable)")
+#define SAHEL_VECTORIZE _Pragma("clang loop vectorize(assume_safety) interleave(enable)")
 #elif defined(__GNUC__)
 #define SAHEL_VECTORIZE _Pragma("GCC ivdep")
 #else
