@@ -58,6 +58,7 @@ struct VisibleTile {
     NodeHandle node;
     NodeHandle parent;         ///< null at the root level
     uint8_t quadrant_mask = 0; ///< bit i: quadrant i (as TileKey::child) is drawn from this tile
+    uint8_t fallback_mask = 0; ///< bit i: quadrant i wants its child, which is not here yet
     float fade = 1.0f;         ///< 0 when the tile has just appeared, 1 after fade_s
     float min_height_m = 0.0f;
     float max_height_m = 0.0f;

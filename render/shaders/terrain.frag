@@ -1,0 +1,150 @@
+// Ground: materials from the layers, ragged by noise inside the thresholds; light from the bakes and the sky.
+in vec3 rel;
+in vec2 tile_cell;
+in float morph;
+flat in int layer;
+flat in float level;
+in vec3 air_kept;
+in vec3 air_added;
+layout(location = 0) out vec4 colour;
+
+vec3 debug_colour(int view, vec3 n, vec4 material, vec4 bake, vec4 water, float slope) {
+    if (view == 1) return n.xzy * 0.5 + 0.5;
+    if (view == 2) return vec3(slope);
+    if (view == 3) return vec3(material.r);
+    if (view == 4) return vec3(material.g);
+    if (view == 5) return vec3(material.b);
+    if (view == 6) return vec3(material.a);
+    if (view == 7) return vec3(bake.r);
+    if (view == 8) return vec3(bake.g);
+    if (view == 9) return 0.5 + 0.5 * cos(6.2831853 * (level * 0.137 + vec3(0.0, 0.33, 0.67)));
+    if (view == 10) return vec3(morph, 1.0 - morph, 0.2);
+    if (view == 11) return water.x > 0.0 ? vec3(0.1, 0.3, 0.3 + 6.0 * water.x) : vec3(0.3 + 3.0 * water.x, 0.25, 0.2);
+    if (view == 12) return vec3(water.y);
+    return 0.5 + 0.5 * cos(6.2831853 * (float(layer) * 0.381966 + vec3(0.0, 0.33, 0.67)));
+}
+
+vec4 noise_at(vec2 phase, mat2 turn, vec2 p, float scale) {
+    return texture(noise_map, phase + turn * p * scale);
+}
+
+void main() {
+    float d = length(rel);
+    vec3 view = -rel / d;
+    vec3 uv = tile_uv(tile_cell, layer);
+    vec2 packed = texture(tile_normal, uv).rg;
+    vec3 ground_n = vec3(packed.x, 0.0, packed.y);
+    ground_n.y = sqrt(max(0.02, 1.0 - dot(ground_n.xz, ground_n.xz)));
+    ground_n = normalize(ground_n);
+    vec4 material = texture(tile_material, uv);
+    vec4 bake = texture(tile_bake, uv);
+    vec4 water = texture(tile_water, uv);
+    float height = rel.y + eye.y + dot(rel.xz, rel.xz) / (2.0 * 6371000.0);
+    float slope = 1.0 - ground_n.y;
+    if (mode.x > 0) {
+        colour = vec4(debug_colour(mode.x, ground_n, material, bake, water, slope), 1.0);
+        return;
+    }
+    float shore = material.a * 80.0 - 20.0;
+    bool shore_near = material.a < 0.99;
+
+    // Noise at four sizes, each turned by another angle.
+    vec2 p = rel.xz;
+    vec4 n4 = noise_at(noise_phase[1].zw, mat2(0.8, 0.6, -0.6, 0.8), p, 0.00071);
+    vec4 n3 = noise_at(noise_phase[1].xy, mat2(0.6, 0.8, -0.8, 0.6), p, 0.0061);
+    vec4 n2 = noise_at(noise_phase[0].zw, mat2(0.96, 0.28, -0.28, 0.96), p, 0.047);
+    vec4 n1 = vec4(0.5);
+    float fine = 1.0 - smoothstep(60.0, 160.0, d);
+    if (fine > 0.0) n1 = mix(vec4(0.5), noise_at(noise_phase[0].xy, mat2(1.0), p, 0.43), fine);
+    // On walls the map would smear: sample by height and each horizontal axis instead.
+    float wall = smoothstep(0.16, 0.36, slope);
+    if (wall > 0.0) {
+        vec2 w = abs(ground_n.xz);
+        w /= w.x + w.y + 1e-4;
+        vec2 a = noise_phase[0].zw + vec2(p.y * 0.047, height * 0.055), b = noise_phase[0].zw + vec2(p.x * 0.047, height * 0.055);
+        n2 = mix(n2, texture(noise_map, a) * w.x + texture(noise_map, b) * w.y, wall);
+        if (fine > 0.0) {
+            vec2 a1 = noise_phase[0].xy + vec2(p.y * 0.30, height * 0.43), b1 = noise_phase[0].xy + vec2(p.x * 0.30, height * 0.43);
+            n1 = mix(n1, mix(vec4(0.5), texture(noise_map, a1) * w.x + texture(noise_map, b1) * w.y, fine), wall);
+        }
+    }
+    float v4 = n4.b - 0.5, v3 = n3.b - 0.5, v2 = n2.b - 0.5, v1 = n1.b - 0.5;
+    vec2 g_mid = (n2.rg - 0.5) * 0.9 * (1.0 - smoothstep(500.0, 1500.0, d)) + (n3.rg - 0.5) * 0.6;
+    vec2 g_fine = (n1.rg - 0.5) * fine;
+
+    // Rock: beds by height, thin dark seams, grey above the dry belt.
+    float sy = height + 7.0 * v3 + 2.5 * v2;
+    float band = 0.5 + 0.5 * sin(sy * 0.55 + 2.0 * sin(sy * 0.17 + 1.0) + 1.3 * sin(sy * 0.39));
+    float seam = smoothstep(0.35, 0.95, sin(sy * 2.3 + 3.0 * v2 + 2.0 * sin(sy * 0.31)));
+    float beds = look.w;
+    vec3 rock_colour = mix(vec3(0.33, 0.165, 0.095), vec3(0.47, 0.285, 0.165), mix(0.5, band, beds));
+    rock_colour = mix(rock_colour, vec3(0.55, 0.42, 0.30), 0.55 * beds * smoothstep(0.72, 0.95, 0.5 + 0.5 * sin(sy * 0.21 + 4.0)));
+    rock_colour *= 1.0 - 0.26 * beds * seam * smoothstep(-0.12, 0.12, v2 + 0.5 * v3);
+    rock_colour *= 0.86 + 0.9 * v2 + 0.6 * v1;
+    float grey = smoothstep(rock.x, rock.y, height + 160.0 * v4 + 40.0 * v3);
+    vec3 grey_colour = mix(vec3(0.20, 0.185, 0.17), vec3(0.32, 0.285, 0.25), clamp(0.5 + v3 + 0.6 * v2, 0.0, 1.0));
+    rock_colour = mix(rock_colour, grey_colour * (1.0 + 0.5 * v1), grey * 0.85);
+
+    vec3 sand_colour = mix(vec3(0.56, 0.375, 0.205), vec3(0.60, 0.325, 0.15), clamp(look.x + v4 * 1.2, 0.0, 1.0));
+    sand_colour *= 1.0 + 0.30 * v3 + 0.20 * v2 + 0.16 * v1;
+    vec3 soil_colour = mix(vec3(0.30, 0.205, 0.125), vec3(0.38, 0.27, 0.165), smoothstep(-0.2, 0.2, v4)) * (1.0 + 0.6 * v3 + 0.5 * v2 + 0.5 * v1);
+    vec3 humus_colour = vec3(0.085, 0.060, 0.036) * (1.0 + 0.8 * v2 + 0.7 * v1);
+    float dryness = clamp(0.55 - 0.9 * material.b + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
+    vec3 green_colour = mix(vec3(0.070, 0.100, 0.022), vec3(0.20, 0.165, 0.060), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
+
+    float sand = smoothstep(0.30, 0.62, material.r + 0.45 * v2 + 0.35 * v3 + 0.12 * v1);
+    float humus = smoothstep(0.25, 0.60, material.g + 0.5 * v2 + 0.25 * v3 + 0.2 * v1) * (1.0 - 0.85 * sand);
+    vec3 albedo = mix(soil_colour, sand_colour, sand);
+    albedo = mix(albedo, mix(humus_colour, green_colour, smoothstep(0.25, 0.62, material.b * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18)), humus);
+    float bare = smoothstep(0.10, 0.26, slope + 0.16 * v2 + 0.10 * v3 - 0.10 * sand - 0.05 * humus) * (1.0 - 0.9 * sand * smoothstep(0.5, 0.8, material.r));
+    bare = max(bare, 0.85 * smoothstep(0.35, 0.85, water.y + 0.5 * v2 + 0.3 * v3) * (1.0 - sand));
+    albedo = mix(albedo, rock_colour, bare);
+    float snow = smoothstep(rock.z - 60.0, rock.z + 140.0, height + 260.0 * v3 + 300.0 * v4) * smoothstep(0.42, 0.20, slope + 0.2 * v2);
+    albedo = mix(albedo, vec3(0.80, 0.82, 0.86), snow);
+
+    // Pebbles and grit where nothing else covers the ground.
+    float grit = fine * (1.0 - sand) * (1.0 - humus) * (1.0 - snow);
+    if (grit > 0.01) {
+        float stones = smoothstep(0.60, 0.72, texture(noise_map, noise_phase[0].xy * 3.0 + p * 1.29).a);
+        albedo *= 1.0 - 0.22 * grit * stones;
+        g_fine *= 1.0 + 1.2 * grit * stones;
+    }
+
+    // Bump. On walls the horizontal gradient turns into a vertical one.
+    vec3 n = ground_n;
+    n.xz -= g_mid * (bare * 0.75 + 0.10 + 0.25 * (1.0 - sand) * (1.0 - bare)) * (1.0 - 0.6 * snow) +
+            g_fine * (0.55 * bare + 0.35 * (1.0 - sand) + 0.10);
+    n.y -= wall * bare * (0.9 * (n2.g - 0.5) + 0.5 * g_fine.y);
+
+    // Wind ripples, two wavelengths, each gone before a pixel would skip it.
+    float footprint = d * screen.w / sqrt(max(0.04, dot(view, ground_n)));
+    float flat_sand = sand * (1.0 - bare) * (1.0 - 0.7 * humus) * (shore_near ? smoothstep(0.5, 3.0, shore) : 1.0);
+    if (flat_sand > 0.01) {
+        vec4 blurred = texture(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 3.5);
+        vec2 q = p + vec2(v3 * 5.0 + (blurred.b - 0.5) * 3.0, (blurred.a - 0.5) * 3.0);
+        float u = dot(q, wind.xy);
+        float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.30, 0.10, slope);
+        float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.30, 0.14, slope);
+        float f1 = 2.0 * k_pi * (u / 0.34 + wind.w) + 0.9 * v1;
+        float f2 = 2.0 * k_pi * (u / 2.3 + rock.w) + 1.5 * v2;
+        float r1 = a1 > 0.0 ? cos(f1 + 0.55 * sin(f1)) : 0.0;
+        float r2 = a2 > 0.0 ? cos(f2 + 0.5 * sin(f2)) : 0.0;
+        n.xz -= wind.xy * (0.20 * a1 * r1 * (0.45 + 1.5 * n2.a) + 0.06 * a2 * r2);
+        albedo *= 1.0 - 0.07 * a1 * (0.5 + 0.5 * sin(f1));
+    }
+    n = normalize(n);
+
+    float wet = shore_near ? smoothstep(2.6, 0.2, shore + 2.0 * v2) : 0.0;
+    albedo *= mix(1.0, 0.42, wet * 0.95);
+    albedo *= 1.0 - 0.35 * material.b * material.b * (1.0 - wet) * (1.0 - sand);
+    if (water.x > 0.0) albedo *= vec3(0.80, 0.88, 0.80);
+
+    float lambert = max(0.0, dot(n, sun.xyz));
+    float facing = smoothstep(-0.02, 0.10, dot(ground_n, sun.xyz));
+    float open_sky = bake.g * mix(1.0, 0.82 + 0.6 * v1 + 0.5 * v2, 0.6 * (1.0 - sand));
+    vec3 lit = sun_light.rgb * bake.r;
+    vec3 c = albedo / k_pi * (lit * lambert * facing + ambient(n) * open_sky * k_pi);
+    c += sand_colour * 0.06 * pow(1.0 - max(0.0, dot(n, view)), 5.0) * sand * lit * lambert;
+    c += wet * 0.05 * pow(max(0.0, dot(n, normalize(view + sun.xyz))), 60.0) * lit;
+    colour = vec4(c * air_kept + air_added, 1.0);
+}

@@ -1,0 +1,102 @@
+// Water over a copy of the ground: refraction, Beer-Lambert, Fresnel, reflections marched on the screen, foam. The shore
+// is where the water is shallow, not where two meshes meet.
+in vec3 rel;
+in vec2 tile_cell;
+in float morph;
+flat in int layer;
+flat in float level;
+in vec3 air_kept;
+in vec3 air_added;
+layout(location = 0) out vec4 colour;
+layout(binding = 6) uniform sampler2D ground_colour;
+layout(binding = 7) uniform sampler2D ground_depth;
+
+vec3 view_position(vec2 uv, float z) {
+    vec4 q = inverse_view_projection * vec4(uv * 2.0 - 1.0, z, 1.0);
+    return q.xyz / q.w;
+}
+
+void main() {
+    vec3 uv = tile_uv(tile_cell, layer);
+    float depth = texture(tile_water, uv).x * k_water_scale_m;
+    if (depth < -0.05) discard;
+    float sun_seen = texture(tile_bake, uv).r;
+    float d = length(rel);
+    vec3 view = -rel / d;
+    vec2 screen_uv = gl_FragCoord.xy / screen.yz;
+    float time = eye.w;
+    vec2 p = rel.xz;
+    vec2 flow = wind.xy * 0.36;
+    vec4 a = texture(noise_map, noise_phase[0].zw + p * 0.060 + flow * time * 0.05);
+    vec4 b = texture(noise_map, noise_phase[0].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.17 - flow.yx * time * 0.09);
+    vec4 e = texture(noise_map, noise_phase[2].xy + p * 0.017 - flow * time * 0.02);
+    float calm = mix(0.25, 1.0, smoothstep(0.0, 4.0, depth));
+    vec2 g = ((a.rg - 0.5) * 0.075 + (b.rg - 0.5) * 0.05 + (e.rg - 0.5) * 0.05) * calm / (1.0 + d * 0.006) * (0.4 + wind.z);
+    vec3 n = normalize(vec3(-g.x, 1.0, -g.y));
+    float cosine = max(0.02, dot(n, view));
+    float fresnel = 0.02 + 0.98 * pow(1.0 - cosine, 5.0);
+
+    vec2 through = screen_uv + g * 0.54 * min(1.0, max(depth, 0.0)) / (1.0 + d * 0.02);
+    vec3 bottom = view_position(through, max(texture(ground_depth, through).r, 1e-7));
+    if (bottom.y > rel.y + 0.02) {
+        through = screen_uv;
+        bottom = view_position(screen_uv, max(texture(ground_depth, screen_uv).r, 1e-7));
+    }
+    float drop = max(0.0, rel.y - bottom.y);
+    float path = min(min(length(bottom - rel), 40.0), max(drop, depth) * 2.6);
+    vec3 sigma = vec3(0.46, 0.125, 0.095) + vec3(0.10, 0.08, 0.09) * look.z;
+    vec3 kept = exp(-sigma * path);
+    vec3 body = vec3(0.010, 0.052, 0.048) + look.z * vec3(0.03, 0.035, 0.015);
+    vec3 light = sun_light.rgb * max(0.0, sun.y) * sun_seen + light_up.rgb * k_pi;
+    vec3 c = texture(ground_colour, through).rgb * kept + body / k_pi * light * (1.0 - kept) * 2.2;
+
+    // Reflection: march the copy of depth on the screen, else the sky.
+    vec3 r = reflect(-view, n);
+    r.y = max(r.y, 0.01);
+    r = normalize(r);
+    vec3 mirrored = sky_radiance(r);
+    float reach = min(900.0, 40.0 + d * 4.0);
+    vec4 q0 = view_projection * vec4(rel, 1.0), q1 = view_projection * vec4(rel + r * reach, 1.0);
+    if (q1.w < 0.2) q1 = mix(q0, q1, (q0.w - 0.2) / (q0.w - q1.w));
+    vec3 s0 = vec3(q0.xy / q0.w * 0.5 + 0.5, q0.z / q0.w), s1 = vec3(q1.xy / q1.w * 0.5 + 0.5, q1.z / q1.w);
+    vec2 span = s1.xy - s0.xy;
+    float t_max = 1.0;
+    for (int k = 0; k < 2; ++k) {
+        float limit = span[k] > 0.0 ? (1.0 - s0[k]) / span[k] : span[k] < 0.0 ? -s0[k] / span[k] : 9.0;
+        t_max = min(t_max, limit);
+    }
+    s1 = mix(s0, s1, t_max);
+    float pixels = length((s1.xy - s0.xy) * screen.yz);
+    float cut = min(1.0, 280.0 / max(pixels, 1.0));
+    s1 = mix(s0, s1, cut);
+    pixels *= cut;
+    int steps = int(clamp(pixels / 6.0, 6.0, 44.0));
+    float jitter = gradient_noise_1(gl_FragCoord.xy);
+    float before = 0.0;
+    for (int i = 0; i < steps; ++i) {
+        float t = (float(i) + 0.4 + 0.6 * jitter) / float(steps);
+        vec3 s = mix(s0, s1, t);
+        float z = texture(ground_depth, s.xy).r;
+        if (z > s.z * 1.0015 && 0.1 / s.z - 0.1 / z < 2.0 + 0.025 / s.z) {
+            float low = before, high = t;
+            for (int k = 0; k < 4; ++k) {
+                float mid = 0.5 * (low + high);
+                vec3 m = mix(s0, s1, mid);
+                if (texture(ground_depth, m.xy).r > m.z * 1.0015) high = mid; else low = mid;
+            }
+            vec2 hit = mix(s0.xy, s1.xy, high);
+            vec2 edge = smoothstep(vec2(0.5), vec2(0.42), abs(hit - 0.5));
+            mirrored = mix(mirrored, texture(ground_colour, hit).rgb, edge.x * edge.y);
+            break;
+        }
+        before = t;
+    }
+    float half_angle = max(0.0, dot(n, normalize(view + sun.xyz)));
+    mirrored += (18.0 * pow(half_angle, 900.0) + 0.9 * pow(half_angle, 140.0)) * sun_light.rgb * sun_seen * 0.35;
+    c = mix(c, mirrored, fresnel);
+
+    float foam = smoothstep(0.22, 0.02, depth) * smoothstep(0.50, 0.72, b.b + 0.175 * sin(depth * 38.0 - time * 1.1 + 6.0 * e.b));
+    c = mix(c, vec3(0.75) * light / k_pi, foam * 0.35);
+    c = c * air_kept + air_added;
+    colour = vec4(mix(texture(ground_colour, screen_uv).rgb, c, smoothstep(-0.02, 0.10, depth)), 1.0);
+}
