@@ -1,6 +1,7 @@
 #include "world/field.h"
 
 #include <cstring>
+#include <limits>
 
 namespace sahel {
 
@@ -15,7 +16,12 @@ int64_t stride_of(const CellRect& owned, int32_t halo) {
 
 uint64_t LayerBlock::bytes_needed(const CellRect& owned, int32_t halo, LayerSet layers) {
     const auto rows = static_cast<uint64_t>(owned.height() + 2 * static_cast<int64_t>(halo));
-    return rows * static_cast<uint64_t>(stride_of(owned, halo)) * 4u * static_cast<uint64_t>(layers.size());
+    uint64_t bytes = 0;
+    // What is more than a machine can address is "too much" for every pool, not a small remainder.
+    if (__builtin_mul_overflow(rows, static_cast<uint64_t>(stride_of(owned, halo)), &bytes) ||
+        __builtin_mul_overflow(bytes, 4u * static_cast<uint64_t>(layers.size()), &bytes))
+        return std::numeric_limits<uint64_t>::max();
+    return bytes;
 }
 
 Result<LayerBlock> LayerBlock::allocate(int32_t level, const CellRect& owned, int32_t halo, LayerSet layers,
@@ -23,6 +29,9 @@ Result<LayerBlock> LayerBlock::allocate(int32_t level, const CellRect& owned, in
     SAHEL_CHECK(!owned.empty());
     SAHEL_CHECK_LE(0, halo);
     SAHEL_CHECK(!layers.empty());
+    // Local coordinates are int32.
+    SAHEL_CHECK_LE(owned.width() + 2 * static_cast<int64_t>(halo), std::numeric_limits<int32_t>::max());
+    SAHEL_CHECK_LE(owned.height() + 2 * static_cast<int64_t>(halo), std::numeric_limits<int32_t>::max());
     LayerBlock block;
     block.level_ = level;
     block.halo_ = halo;

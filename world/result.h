@@ -26,8 +26,7 @@ struct Error {
     [[nodiscard]] int exit_code() const { return kind == ErrorKind::usage ? 2 : 1; }
 };
 
-template <class T>
-class [[nodiscard]] Result {
+template <class T> class [[nodiscard]] Result {
   public:
     Result(T value) : state_(std::move(value)) {}     // NOLINT(google-explicit-constructor)
     Result(Error error) : state_(std::move(error)) {} // NOLINT(google-explicit-constructor)
@@ -44,7 +43,8 @@ class [[nodiscard]] Result {
         require_value();
         return std::get<0>(state_);
     }
-    [[nodiscard]] T&& value() && {
+    /// By value, so that `for (auto x : f().value())` does not walk over what is gone.
+    [[nodiscard]] T value() && {
         require_value();
         return std::get<0>(std::move(state_));
     }
@@ -55,6 +55,7 @@ class [[nodiscard]] Result {
 
     T& operator*() & { return value(); }
     const T& operator*() const& { return value(); }
+    T operator*() && { return std::move(*this).value(); }
     T* operator->() { return &value(); }
     const T* operator->() const { return &value(); }
 
@@ -89,5 +90,5 @@ class [[nodiscard]] Status : public Result<Nothing> {
 /// `SAHEL_ASSIGN(auto x, f())`: x is the value of f(), or the error is returned to the caller.
 #define SAHEL_ASSIGN(declaration, expression)                                                                          \
     auto SAHEL_CONCAT(sahel_result_, __LINE__) = (expression);                                                         \
-    if (!SAHEL_CONCAT(sahel_result_, __LINE__).ok()) return SAHEL_CONCAT(sahel_result_, __LINE__).error();            \
+    if (!SAHEL_CONCAT(sahel_result_, __LINE__).ok()) return SAHEL_CONCAT(sahel_result_, __LINE__).error();             \
     declaration = std::move(SAHEL_CONCAT(sahel_result_, __LINE__)).value()

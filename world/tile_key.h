@@ -68,15 +68,17 @@ struct TileKey {
     }
     /// Which child of its parent this is, 0..3.
     [[nodiscard]] constexpr int child_index() const { return static_cast<int>((x & 1) | ((y & 1) << 1)); }
+    /// The node of a level, not below this one's, that covers it.
     [[nodiscard]] constexpr TileKey ancestor(int32_t at_level) const {
         const int shift = at_level - level;
+        SAHEL_DCHECK(shift >= 0 && shift < 64);
         return {at_level, x >> shift, y >> shift};
     }
 
     friend constexpr bool operator==(const TileKey&, const TileKey&) = default;
     friend constexpr std::strong_ordering operator<=>(const TileKey& a, const TileKey& b) {
-        if (const auto c = a.level <=> b.level; c != 0) return c;
-        if (const auto c = a.y <=> b.y; c != 0) return c;
+        if (const auto c = a.level <=> b.level; std::is_neq(c)) return c;
+        if (const auto c = a.y <=> b.y; std::is_neq(c)) return c;
         return a.x <=> b.x;
     }
 };
@@ -92,8 +94,7 @@ constexpr TileKey tile_of(Cell cell, int32_t level, int64_t tile_cells) {
 }
 
 /// Calls f(TileKey) for every tile of a level that touches the rectangle, row by row.
-template <class F>
-void for_each_tile(const CellRect& rect, int32_t level, int64_t tile_cells, F&& f) {
+template <class F> void for_each_tile(const CellRect& rect, int32_t level, int64_t tile_cells, F&& f) {
     if (rect.empty()) return;
     const TileKey first = tile_of({rect.x0, rect.y0}, level, tile_cells);
     const TileKey last = tile_of({rect.x1 - 1, rect.y1 - 1}, level, tile_cells);
@@ -103,8 +104,7 @@ void for_each_tile(const CellRect& rect, int32_t level, int64_t tile_cells, F&& 
 
 } // namespace sahel
 
-template <>
-struct std::hash<sahel::TileKey> {
+template <> struct std::hash<sahel::TileKey> {
     size_t operator()(const sahel::TileKey& k) const noexcept {
         uint64_t h = static_cast<uint64_t>(k.x) * 0x9E3779B97F4A7C15ull;
         h ^= (h >> 29) ^ (static_cast<uint64_t>(k.y) * 0xBF58476D1CE4E5B9ull);

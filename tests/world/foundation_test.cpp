@@ -58,6 +58,16 @@ TEST(Result, MovesWhatCannotBeCopied) {
     EXPECT_EQ(*p, 7);
 }
 
+TEST(Result, TheValueOfATemporaryOutlivesIt) {
+    const auto make = []() -> Result<std::vector<std::string>> {
+        return std::vector<std::string>{std::string(100, 'a'), std::string(100, 'b')};
+    };
+    std::string seen;
+    for (const std::string& s : make().value()) seen += s[0];
+    for (const std::string& s : *make()) seen += s[0];
+    EXPECT_EQ(seen, "abab");
+}
+
 TEST(ResultDeathTest, AskingForWhatIsNotThereSaysWhatWasThere) {
     EXPECT_DEATH(static_cast<void>(half(3).value()), "Result has a value.*odd");
     EXPECT_DEATH(static_cast<void>(half(4).error()), "check failed");
@@ -121,6 +131,9 @@ TEST(TileKey, AncestorsAndTilesFarAway) {
         EXPECT_EQ(up.y, floor_div(-far, int64_t{2048} << level));
     }
     EXPECT_EQ(key.ancestor(0), key);
+#if defined(SAHEL_DEBUG)
+    EXPECT_DEATH(static_cast<void>(key.parent().ancestor(0)), "shift >= 0");
+#endif
 }
 
 TEST(TileKey, OrderIsLevelThenRowThenColumn) {
@@ -234,6 +247,15 @@ TEST(LayerBlock, RefusesMoreThanItsBudget) {
     ASSERT_FALSE(block.ok());
     EXPECT_EQ(block.error().kind, ErrorKind::budget);
     EXPECT_NE(block.error().message.find("small"), std::string::npos);
+}
+
+TEST(LayerBlock, RefusesWhatNoMachineCanAddress) {
+    MemoryPool pool("any", MemoryKind::host, std::numeric_limits<uint64_t>::max());
+    const CellRect huge{0, 0, int64_t{1} << 30, int64_t{1} << 30}; // times 16 bytes: 2^64
+    const auto block = LayerBlock::allocate(0, huge, 0, k_surface_layers, pool);
+    ASSERT_FALSE(block.ok());
+    EXPECT_EQ(block.error().kind, ErrorKind::budget);
+    EXPECT_EQ(pool.used_bytes(), 0u);
 }
 
 TEST(LayerBlockDeathTest, ViewsAreOfTheRightTypeAndLayer) {
