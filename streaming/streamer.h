@@ -1,6 +1,7 @@
 #pragma once
 
 #include "world/memory.h"
+#include "world/params.h"
 #include "world/result.h"
 #include "world/tile_key.h"
 
@@ -9,6 +10,8 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <tuple>
 #include <vector>
 
 /// Which tiles are shown, which are wanted next and what stays in memory. Knows no GL: tests drive it on a fake clock.
@@ -62,6 +65,129 @@ struct VisibleTile {
     float fade = 1.0f;         ///< 0 when the tile has just appeared, 1 after fade_s
     float min_height_m = 0.0f;
     float max_height_m = 0.0f;
+};
+
+/// States of a node in the pool:
+///
+///     absent --wanted--> queued --parent resident, budget--> loading --> loaded --publish budget--> resident
+///        ^                  |                                    |                                     |
+///        +---not wanted-----+            retry_later <--failed---+                     evicted, LRU ---+--> absent
+///                                             +--time--> queued (after max_attempts: failed)
+///
+/// A resident node whose data changed is loaded again beside its old contents, which stay drawn until then.
+enum class NodeState : uint8_t { absent, queued, loading, loaded, resident, retry_later, failed };
+const char* name_of(NodeState state);
+
+/// Why a node is wanted; every node of an earlier group goes first.
+enum class WantGroup : uint8_t { urgent, visible, around, prefetch };
+
+struct StreamSettings {
+    int slots = 96;
+    float lod_factor = 2.1f;
+    int root_level = 8;
+    int root_radius = 1;
+    int view_cells = 512;
+    int max_loads_in_flight = 4;
+    int publishes_per_frame = 4;
+    float publish_ms_per_frame = 4.0f;
+    int publish_mib_per_frame = 64;
+    int in_flight_mib = 128;
+    float prefetch_s = 3.0f;
+    float fade_s = 0.4f;
+    float retry_after_s = 2.0f;
+    int max_attempts = 5;
+};
+
+// clang-format off
+template <> inline constexpr auto fields_of<StreamSettings> = std::tuple{
+    Field{&StreamSettings::slots,                "slots",                "",    16,   65536,   "Tiles that may be resident"},
+    Field{&StreamSettings::lod_factor,           "lod_factor",           "",    1.5f, 6.0f,    "A square is refined nearer than this many of its sides"},
+    Field{&StreamSettings::root_level,           "root_level",           "",    0,    20,      "Level of the coarsest tiles, always kept around the eye"},
+    Field{&StreamSettings::root_radius,          "root_radius",          "",    0,    4,       "Root tiles in each direction around the eye's own"},
+    Field{&StreamSettings::view_cells,           "view_cells",           "",    64,   4096,    "Cells along a tile's side"},
+    Field{&StreamSettings::max_loads_in_flight,  "max_loads_in_flight",  "",    1,    64,      "Loads that run at once"},
+    Field{&StreamSettings::publishes_per_frame,  "publishes_per_frame",  "",    1,    64,      "Tiles handed over at one frame boundary"},
+    Field{&StreamSettings::publish_ms_per_frame, "publish_ms_per_frame", "ms",  0.1f, 1000.0f, "Time for handing over; the tile that crosses it is the last"},
+    Field{&StreamSettings::publish_mib_per_frame,"publish_mib_per_frame","MiB", 1,    4096,    "Bytes handed over at one frame boundary"},
+    Field{&StreamSettings::in_flight_mib,        "in_flight_mib",        "MiB", 1,    65536,   "Host memory of tiles that are loading or wait to be handed over"},
+    Field{&StreamSettings::prefetch_s,           "prefetch_s",           "s",   0.0f, 30.0f,   "Looks ahead along the velocity by this time"},
+    Field{&StreamSettings::fade_s,               "fade_s",               "s",   0.0f, 5.0f,    "A new tile eases in from its parent's shape"},
+    Field{&StreamSettings::retry_after_s,        "retry_after_s",        "s",   0.0f, 600.0f,  "A load that failed is tried again after this time"},
+    Field{&StreamSettings::max_attempts,         "max_attempts",         "",    1,    100,     "and given up after this many attempts"},
+};
+// clang-format on
+static_assert(covers_every_member<StreamSettings>);
+
+/// The outside world. `load` runs on workers, everything else in the owner's thread.
+struct StreamExternals {
+    std::function<Result<std::unique_ptr<TilePayload>>(TileKey, const std::shared_ptr<const TileContext>& parent)> load;
+    std::function<void(NodeHandle, TileKey, TilePayload&)> publish;
+    std::function<void(NodeHandle, TileKey)> evicted;  ///< may be empty
+    std::function<void(std::function<void()>)> submit; ///< runs a job some time, on some thread
+    std::function<double()> now_s;                     ///< for publish_ms_per_frame
+    uint64_t max_payload_bytes = 0;                    ///< no payload is larger
+    double cell_m = 1.0;                               ///< of level 0
+};
+
+struct StreamStats {
+    int64_t frame = 0;
+    std::array<int, 7> nodes_in_state{}; ///< by NodeState; absent counts free slots
+    int wanted = 0;                      ///< nodes this view asks for
+    int wanted_over_budget = 0;          ///< of them, how many the slots cannot hold
+    int visible = 0;
+    int fallbacks = 0; ///< quadrants drawn from a parent
+    int loads_in_flight = 0;
+    int published = 0, evicted = 0, dropped = 0; ///< this frame
+    int64_t published_total = 0, evicted_total = 0, failed_total = 0;
+    int64_t oldest_request_frames = 0; ///< age of the oldest wanted node that is not resident
+    uint64_t in_flight_bytes = 0;      ///< reserved for loads and loaded payloads
+    uint64_t context_bytes = 0;
+    uint64_t published_bytes = 0; ///< this frame
+};
+
+struct FrameResult {
+    std::span<const VisibleTile> visible; ///< front to back; valid until the next update
+    const StreamStats& stats;
+};
+
+/// One row of the tile map.
+struct NodeInfo {
+    TileKey key;
+    NodeState state;
+    bool drawn;
+};
+
+/// Owner thread only; the destructor waits for running loads.
+class TileStreamer {
+  public:
+    TileStreamer(const StreamSettings& settings, StreamExternals externals);
+    ~TileStreamer();
+    TileStreamer(const TileStreamer&) = delete;
+    TileStreamer& operator=(const TileStreamer&) = delete;
+
+    /// One frame: takes what was loaded, hands over within the budgets, asks for what is missing, says what to draw.
+    FrameResult update(const ViewState& view, double dt_s);
+    /// Everything the last view needs to be drawn as it should be is there: no parent stands in for a child.
+    [[nodiscard]] bool ready() const;
+    /// Updates until ready, waiting for loads in between. False when some tile failed for good.
+    bool settle(const ViewState& view);
+
+    /// The tile's data changed: load it again (and nothing else). Unknown keys are ignored.
+    void invalidate(TileKey key);
+    /// Everything changed (the sun moved): load all of it again, coarse tiles first.
+    void invalidate_all();
+
+    [[nodiscard]] const StreamSettings& settings() const;
+    [[nodiscard]] const StreamStats& stats() const;
+    [[nodiscard]] bool is_current(NodeHandle handle) const;
+    void list_nodes(std::vector<NodeInfo>& nodes) const;
+    /// Keys in the order their loads were started; for tests. Empty unless recording.
+    void record_requests(bool on);
+    [[nodiscard]] const std::vector<TileKey>& requests() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
 
 } // namespace sahel
