@@ -32,8 +32,8 @@ void main() {
     float d = length(rel);
     vec3 view = -rel / d;
     vec3 uv = tile_uv(tile_cell, layer);
-    vec2 packed = texture(tile_normal, uv).rg;
-    vec3 ground_n = vec3(packed.x, 0.0, packed.y);
+    vec2 stored = texture(tile_normal, uv).rg;
+    vec3 ground_n = vec3(stored.x, 0.0, stored.y);
     ground_n.y = sqrt(max(0.02, 1.0 - dot(ground_n.xz, ground_n.xz)));
     ground_n = normalize(ground_n);
     vec4 material = texture(tile_material, uv);
