@@ -1,0 +1,363 @@
+#include "world/file_io.h"
+#include "world/lod_filter.h"
+#include "world/random.h"
+#include "world/state_hash.h"
+#include "world/world.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace sahel {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A value that depends on nothing but the world cell, so any tiling of it is the same state.
+int32_t cell_value(int64_t x, int64_t y, int salt) {
+    uint64_t h = static_cast<uint64_t>(x) * 0x9E3779B97F4A7C15ull ^ static_cast<uint64_t>(y) * 0xBF58476D1CE4E5B9ull ^
+                 static_cast<uint64_t>(salt) * 0x94D049BB133111EBull;
+    h ^= h >> 31;
+    h *= 0xD6E8FEB86659FD93ull;
+    return static_cast<int32_t>(h >> 44); // 0 .. 2^20 ticks: 8 m
+}
+
+LayerBlock make_tile(TileKey key, int n, int salt = 0) {
+    auto block = LayerBlock::allocate(0, tile_rect(key, n), 0, k_surface_layers);
+    EXPECT_TRUE(block.ok());
+    block->clear();
+    auto rock = block->ints(Layer::bedrock), sand = block->ints(Layer::sand);
+    for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+            rock(x, y) = cell_value(key.x * n + x, key.y * n + y, salt);
+            sand(x, y) = cell_value(key.x * n + x, key.y * n + y, salt + 1) / 64;
+        }
+    return std::move(block).value();
+}
+
+Status commit_tiles(World& world, int64_t step, const std::vector<TileKey>& keys, int salt = 0) {
+    std::vector<LayerBlock> blocks;
+    std::vector<TileUpdate> updates;
+    blocks.reserve(keys.size());
+    for (const TileKey key : keys) {
+        blocks.push_back(make_tile(key, world.desc().tile_cells, salt));
+        updates.push_back({key, &blocks.back()});
+    }
+    return world.commit(step, updates);
+}
+
+class Store : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::string pattern = (fs::temp_directory_path() / "sahel-store-XXXXXX").string();
+        ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+        base_ = pattern;
+    }
+    void TearDown() override {
+        std::error_code ignored;
+        fs::permissions(base_, fs::perms::owner_all, ignored);
+        fs::remove_all(base_);
+    }
+    [[nodiscard]] fs::path folder(const std::string& name = "world") const { return base_ / name; }
+    static WorldDesc desc(int tile_cells = 128, const std::string& preset = "none") {
+        WorldDesc d;
+        d.name = "test";
+        d.preset = preset;
+        d.tile_cells = tile_cells;
+        return d;
+    }
+    World create(const WorldDesc& d, const std::string& name = "world") {
+        auto world = World::create(folder(name), d);
+        EXPECT_TRUE(world.ok()) << (world.ok() ? "" : world.error().message);
+        return std::move(world).value();
+    }
+    [[nodiscard]] std::vector<fs::path> tile_files(const std::string& name = "world") const {
+        std::vector<fs::path> files;
+        for (const auto& e : fs::recursive_directory_iterator(folder(name) / "tiles"))
+            if (e.is_regular_file()) files.push_back(e.path());
+        std::sort(files.begin(), files.end());
+        return files;
+    }
+    fs::path base_;
+};
+
+TEST_F(Store, WhatWasCommittedIsReadAgainAfterReopening) {
+    {
+        World world = create(desc());
+        ASSERT_TRUE(commit_tiles(world, 3, {{0, 0, 0}, {0, -1, 0}, {0, 5, -7}}).ok());
+    }
+    auto world = World::open(folder(), OpenMode::read);
+    ASSERT_TRUE(world.ok()) << world.error().message;
+    for (const TileKey key : {TileKey{0, 0, 0}, TileKey{0, -1, 0}, TileKey{0, 5, -7}}) {
+        auto block = world->read_tile(key);
+        ASSERT_TRUE(block.ok()) << block.error().message;
+        const LayerBlock expected = make_tile(key, 128);
+        for (const Layer l : {Layer::bedrock, Layer::sand})
+            for (int y = 0; y < 128; ++y)
+                for (int x = 0; x < 128; ++x) ASSERT_EQ(block->ints(l)(x, y), expected.ints(l)(x, y));
+        EXPECT_EQ(block->ints(Layer::water)(7, 7), 0);
+    }
+    EXPECT_EQ(world->read_tile({0, 1, 0}).error().kind, ErrorKind::not_found);
+    const auto info = world->info();
+    ASSERT_TRUE(info.ok());
+    EXPECT_EQ(info->step, 3);
+    EXPECT_EQ(info->tile_count, 3);
+    EXPECT_GT(info->parent_count, 0);
+    EXPECT_EQ(info->bounds, (CellRect{-128, -896, 768, 128}));
+}
+
+TEST_F(Store, TheHashDoesNotKnowTheTileSize) {
+    std::map<int, std::string> hashes;
+    for (const int n : {128, 256, 512}) {
+        World world = create(desc(n), std::to_string(n));
+        std::vector<TileKey> keys;
+        for_each_tile({-512, 0, 512, 512}, 0, n, [&](TileKey key) { keys.push_back(key); });
+        ASSERT_TRUE(commit_tiles(world, 1, keys).ok());
+        hashes[n] = world.hash().value();
+        EXPECT_EQ(hashes[n].size(), 32u);
+    }
+    EXPECT_EQ(hashes[128], hashes[256]);
+    EXPECT_EQ(hashes[128], hashes[512]);
+}
+
+TEST_F(Store, OneTickChangesTheHashAndTheOrderOfCommitsDoesNot) {
+    World a = create(desc(), "a");
+    ASSERT_TRUE(commit_tiles(a, 1, {{0, 0, 0}}).ok());
+    const std::string one = a.hash().value();
+    ASSERT_TRUE(commit_tiles(a, 1, {{0, 1, 0}}).ok());
+    World b = create(desc(), "b");
+    ASSERT_TRUE(commit_tiles(b, 1, {{0, 1, 0}}).ok());
+    ASSERT_TRUE(commit_tiles(b, 2, {{0, 0, 0}}).ok());
+    EXPECT_EQ(a.hash().value(), b.hash().value());
+    EXPECT_NE(a.hash().value(), one);
+    LayerBlock changed = make_tile({0, 0, 0}, 128);
+    changed.ints(Layer::sand)(64, 64) += 1;
+    const TileUpdate update{{0, 0, 0}, &changed};
+    ASSERT_TRUE(b.commit(3, std::span(&update, 1)).ok());
+    EXPECT_NE(a.hash().value(), b.hash().value());
+}
+
+TEST_F(Store, ParentsAreTheMeansOfTheirChildrenAndTheSurfaceShowsThem) {
+    World world = create(desc());
+    std::vector<TileKey> keys;
+    for_each_tile({0, 0, 512, 512}, 0, 128, [&](TileKey key) { keys.push_back(key); });
+    ASSERT_TRUE(commit_tiles(world, 1, keys).ok());
+    for (int level = 1; level <= 6; ++level) {
+        const int64_t side = 512 >> level;
+        auto block = LayerBlock::allocate(level, {-2, -2, side + 2, side + 2}, 0, k_surface_layers);
+        ASSERT_TRUE(world.surface().read(*block).ok());
+        EXPECT_EQ(block->ints(Layer::bedrock)(0, 0), 0) << "the plain around the tiles";
+        for (const auto& [x, y] : {std::pair<int64_t, int64_t>{0, 0}, {side / 2, side / 3}, {side - 1, side - 1}}) {
+            double sum = 0.0;
+            const int64_t n = int64_t{1} << level;
+            for (int64_t j = y * n; j < (y + 1) * n; ++j)
+                for (int64_t i = x * n; i < (x + 1) * n; ++i) sum += cell_value(i, j, 0);
+            EXPECT_NEAR(block->ints(Layer::bedrock)(static_cast<int>(x) + 2, static_cast<int>(y) + 2),
+                        sum / static_cast<double>(n * n), 1.0)
+                << "level " << level << " cell " << x << ", " << y;
+        }
+    }
+}
+
+TEST_F(Store, StoredTilesLieOverTheBaseTerrain) {
+    World world = create(desc(128, "oasis"));
+    const BaseTerrain terrain(1, world.desc().terrain);
+    auto expected = LayerBlock::allocate(0, {-100, -100, 300, 300}, 0, k_surface_layers);
+    ASSERT_TRUE(terrain.read(*expected).ok());
+    ASSERT_TRUE(commit_tiles(world, 1, {{0, 0, 0}}).ok());
+    auto block = LayerBlock::allocate(0, {-100, -100, 300, 300}, 0, k_surface_layers);
+    ASSERT_TRUE(world.surface().read(*block).ok());
+    const auto rock = block->ints(Layer::bedrock), base = expected->ints(Layer::bedrock);
+    for (int y = 0; y < 400; y += 3)
+        for (int x = 0; x < 400; x += 3) {
+            const bool stored = x >= 100 && x < 228 && y >= 100 && y < 228;
+            ASSERT_EQ(rock(x, y), stored ? cell_value(x - 100, y - 100, 0) : base(x, y)) << x << ", " << y;
+        }
+}
+
+TEST_F(Store, EveryDamageIsFoundAndNamed) {
+    {
+        World world = create(desc());
+        ASSERT_TRUE(commit_tiles(world, 1, {{0, 0, 0}, {0, 1, 1}}).ok());
+    }
+    const auto issues = [&] {
+        auto world = World::open(folder(), OpenMode::read);
+        auto report = world->verify();
+        EXPECT_TRUE(report.ok());
+        return report->issues;
+    };
+    EXPECT_TRUE(issues().empty());
+    const auto files = tile_files();
+    ASSERT_GE(files.size(), 3u);
+    for (const fs::path& file : files) {
+        const auto bytes = read_file(file).value();
+        for (const size_t at : {size_t{0}, bytes.size() / 2, bytes.size() - 1}) {
+            auto flipped = bytes;
+            flipped[at] ^= 0x10;
+            ASSERT_TRUE(write_file(file, std::span<const uint8_t>(flipped)).ok());
+            const auto found = issues();
+            ASSERT_EQ(found.size(), 1u) << file << " byte " << at;
+            EXPECT_NE(file.string().find(found[0].path), std::string::npos);
+            EXPECT_EQ(found[0].can_regenerate, file.string().find("/L00/") == std::string::npos);
+        }
+        fs::remove(file);
+        EXPECT_EQ(issues().size(), 1u);
+        ASSERT_TRUE(write_file(file, std::span<const uint8_t>(bytes)).ok());
+    }
+    std::ofstream(folder() / "tiles" / "stray.exr") << "x";
+    EXPECT_EQ(issues().size(), 1u);
+}
+
+TEST_F(Store, EveryTruncationOfATileIsRefused) {
+    auto tile = make_stored_tile({0, 3, -2}, 128, make_tile({0, 3, -2}, 128));
+    ASSERT_TRUE(tile.ok());
+    const auto bytes = encode_tile(*tile).value();
+    EXPECT_TRUE(decode_tile(bytes, "whole").ok());
+    for (size_t n = 0; n < bytes.size(); n += n < 2000 || n + 2000 > bytes.size() ? 1 : 97) {
+        const std::vector<uint8_t> cut(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n)); // its own memory
+        const auto decoded = decode_tile(cut, "cut");
+        ASSERT_FALSE(decoded.ok()) << n << " of " << bytes.size();
+        ASSERT_EQ(decoded.error().kind, ErrorKind::corrupt);
+    }
+}
+
+TEST_F(Store, EveryCompressionGivesTheSameCells) {
+    auto tile = make_stored_tile({0, 0, 0}, 128, make_tile({0, 0, 0}, 128));
+    for (const TileCompression c :
+         {TileCompression::none, TileCompression::zips, TileCompression::zip, TileCompression::piz}) {
+        auto decoded = decode_tile(encode_tile(*tile, c).value(), "tile");
+        ASSERT_TRUE(decoded.ok());
+        EXPECT_EQ(hash_blocks(*decoded), hash_blocks(*tile));
+    }
+}
+
+TEST_F(Store, RefusesWhatCannotBeAWorld) {
+    for (const int n : {0, 100, 64, 16384})
+        EXPECT_EQ(World::create(folder("bad"), desc(n)).error().kind, ErrorKind::usage);
+    EXPECT_FALSE(fs::exists(folder("bad")));
+    EXPECT_EQ(World::open(folder("missing"), OpenMode::read).error().kind, ErrorKind::not_found);
+    fs::create_directories(folder("empty"));
+    EXPECT_EQ(World::open(folder("empty"), OpenMode::read).error().kind, ErrorKind::not_found);
+    { World world = create(desc()); }
+    EXPECT_EQ(World::create(folder(), desc()).error().kind, ErrorKind::usage);
+    const std::string json = read_text_file(folder() / "world.json").value();
+    const auto with = [&](const std::string& from, const std::string& to) {
+        std::string changed = json;
+        const size_t at = changed.find(from);
+        EXPECT_NE(at, std::string::npos) << from;
+        changed.replace(at, from.size(), to);
+        EXPECT_TRUE(write_file(folder() / "world.json", changed).ok());
+        auto opened = World::open(folder(), OpenMode::read);
+        EXPECT_FALSE(opened.ok()) << to;
+        return opened.ok() ? Error{} : opened.error();
+    };
+    EXPECT_EQ(with("\"format_version\": 1", "\"format_version\": 2").kind, ErrorKind::unsupported);
+    EXPECT_EQ(with("\"tile_cells\": 128", "\"tile_cells\": 256").kind, ErrorKind::corrupt);
+    EXPECT_EQ(with("\"tile_cells\": 128", "\"tile_cells\": 130").kind, ErrorKind::usage);
+    const Error unknown = with("\"seed\"", "\"sead\": 1, \"seed\"");
+    EXPECT_NE(unknown.message.find("sead"), std::string::npos) << unknown.message;
+    EXPECT_NE(unknown.message.find("world.json"), std::string::npos) << unknown.message;
+    EXPECT_EQ(with("{", "[").kind, ErrorKind::corrupt);
+}
+
+TEST_F(Store, OneWriterAtATimeAndManyReaders) {
+    World world = create(desc());
+    ASSERT_TRUE(commit_tiles(world, 1, {{0, 0, 0}}).ok());
+    const auto second = World::open(folder(), OpenMode::write);
+    ASSERT_FALSE(second.ok());
+    EXPECT_EQ(second.error().kind, ErrorKind::busy);
+    auto reader = World::open(folder(), OpenMode::read);
+    ASSERT_TRUE(reader.ok());
+    EXPECT_EQ(reader->hash().value(), world.hash().value());
+    EXPECT_EQ(reader->commit(2, {}).error().kind, ErrorKind::usage);
+    EXPECT_EQ(commit_tiles(world, 0, {{0, 1, 0}}).error().kind, ErrorKind::usage) << "steps do not go back";
+}
+
+TEST_F(Store, AFullDiskLeavesTheLastCommit) {
+    std::string before;
+    {
+        World world = create(desc());
+        ASSERT_TRUE(commit_tiles(world, 1, {{0, 0, 0}}).ok());
+        before = world.hash().value();
+    }
+    // No file may grow beyond 20 kB in the child: its writes fail as on a full disk.
+    const pid_t child = fork();
+    if (child == 0) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        auto world = World::open(folder(), OpenMode::write);
+        const rlimit limit{20000, 20000};
+        setrlimit(RLIMIT_FSIZE, &limit);
+        const Status failed = commit_tiles(*world, 2, {{0, 0, 0}, {0, 1, 0}}, 9);
+        _exit(!failed.ok() && failed.error().kind == ErrorKind::io ? 0 : 1);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    auto world = World::open(folder(), OpenMode::write);
+    ASSERT_TRUE(world.ok()) << world.error().message;
+    EXPECT_EQ(world->hash().value(), before);
+    EXPECT_TRUE(world->verify()->issues.empty());
+}
+
+TEST_F(Store, KilledAtAnyInstantTheLastCommitIsThereWhole) {
+    // What the world hashes to after each step.
+    constexpr int k_steps = 4;
+    const std::vector<TileKey> keys = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    std::vector<std::string> expected;
+    const auto begin = std::chrono::steady_clock::now();
+    {
+        World world = create(desc(), "reference");
+        expected.push_back(world.hash().value());
+        for (int s = 1; s <= k_steps; ++s) {
+            ASSERT_TRUE(commit_tiles(world, s, keys, s).ok());
+            expected.push_back(world.hash().value());
+        }
+    }
+    // Kills fall anywhere in the time that all steps take on this machine.
+    const auto whole_us =
+        std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now() - begin).count();
+    { World world = create(desc()); }
+    uint64_t random = 12345;
+    int seen_steps = 0;
+    for (int round = 0; round < 200; ++round) {
+        const pid_t child = fork();
+        if (child == 0) {
+            auto world = World::open(folder(), OpenMode::write);
+            if (!world.ok()) _exit(2);
+            for (int64_t s = world->info()->step + 1; s <= k_steps; ++s)
+                if (!commit_tiles(*world, s, keys, static_cast<int>(s)).ok()) _exit(3);
+            _exit(0);
+        }
+        random = random * 6364136223846793005ull + 1442695040888963407ull;
+        usleep(static_cast<useconds_t>((random >> 33) % static_cast<uint64_t>(whole_us)));
+        kill(child, SIGKILL);
+        int status = 0;
+        waitpid(child, &status, 0);
+        ASSERT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 0) << "exit code " << WEXITSTATUS(status);
+        auto world = World::open(folder(), OpenMode::write);
+        ASSERT_TRUE(world.ok()) << world.error().message;
+        const auto info = world->info();
+        ASSERT_TRUE(info.ok());
+        ASSERT_EQ(world->hash().value(), expected[static_cast<size_t>(info->step)]) << "round " << round;
+        const auto report = world->verify();
+        ASSERT_TRUE(report.ok());
+        ASSERT_TRUE(report->issues.empty()) << report->issues[0].path << ": " << report->issues[0].what;
+        seen_steps |= 1 << info->step;
+        if (info->step == k_steps) { // start over
+            world = Error{};
+            fs::remove_all(folder());
+            World fresh = create(desc());
+        }
+    }
+    EXPECT_NE(seen_steps, 1) << "no kill left a committed step behind";
+}
+
+} // namespace
+} // namespace sahel

@@ -1,0 +1,205 @@
+#include "world/store_index.h"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+namespace sahel {
+
+namespace {
+
+constexpr const char* k_schema = R"SQL(
+PRAGMA journal_mode = WAL;
+PRAGMA synchronous = FULL;
+BEGIN;
+CREATE TABLE meta(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+CREATE TABLE commits(generation INTEGER PRIMARY KEY, step INTEGER NOT NULL, tiles INTEGER NOT NULL);
+CREATE TABLE tiles(level INTEGER, x INTEGER, y INTEGER, file TEXT NOT NULL, bytes INTEGER NOT NULL, checksum TEXT NOT NULL,
+                   generation INTEGER NOT NULL, step INTEGER NOT NULL, low_m REAL, high_m REAL, blocks BLOB,
+                   PRIMARY KEY(level, y, x)) WITHOUT ROWID;
+COMMIT;
+)SQL";
+
+std::vector<uint8_t> pack(const std::vector<BlockDigest>& blocks) {
+    std::vector<uint8_t> bytes(blocks.size() * sizeof(BlockDigest));
+    if (!bytes.empty()) std::memcpy(bytes.data(), blocks.data(), bytes.size());
+    return bytes;
+}
+static_assert(sizeof(BlockDigest) == 32);
+
+std::vector<BlockDigest> unpack(const std::vector<uint8_t>& bytes) {
+    std::vector<BlockDigest> blocks(bytes.size() / sizeof(BlockDigest));
+    if (!blocks.empty()) std::memcpy(blocks.data(), bytes.data(), blocks.size() * sizeof(BlockDigest));
+    return blocks;
+}
+
+constexpr const char* k_columns = "level, x, y, file, bytes, checksum, generation, step, low_m, high_m";
+
+TileRow read_row(const sqlite::Statement& s) {
+    TileRow r;
+    r.key = {static_cast<int32_t>(s.integer(0)), s.integer(1), s.integer(2)};
+    r.file = s.text(3);
+    r.bytes = static_cast<uint64_t>(s.integer(4));
+    r.checksum = s.text(5);
+    r.generation = s.integer(6);
+    r.step = s.integer(7);
+    r.low_m = static_cast<float>(s.real(8));
+    r.high_m = static_cast<float>(s.real(9));
+    return r;
+}
+
+std::string cell_text(double cell_m) {
+    return fmt::format("{}", cell_m);
+}
+
+} // namespace
+
+Result<StoreIndex> StoreIndex::create(const std::filesystem::path& path, const WorldDesc& desc) {
+    SAHEL_ASSIGN(sqlite::Database db, sqlite::Database::open(path, sqlite::Database::Mode::create));
+    SAHEL_TRY(db.run(k_schema));
+    StoreIndex index(std::move(db));
+    sqlite::Statement put(index.db_, "INSERT INTO meta(key, value) VALUES(?, ?)");
+    for (const auto& [key, value] :
+         {std::pair<std::string, std::string>{"format_version", std::to_string(k_world_format_version)},
+          {"tile_cells", std::to_string(desc.tile_cells)},
+          {"cell_m", cell_text(desc.cell_m)}}) {
+        put.bind(1, std::string_view(key)).bind(2, std::string_view(value));
+        (void)put.step();
+        SAHEL_TRY(put.status());
+        put.reset();
+    }
+    return index;
+}
+
+Result<StoreIndex> StoreIndex::open(const std::filesystem::path& path, OpenMode mode, const WorldDesc& desc) {
+    SAHEL_ASSIGN(sqlite::Database db,
+                 sqlite::Database::open(path, mode == OpenMode::write ? sqlite::Database::Mode::write
+                                                                      : sqlite::Database::Mode::read));
+    if (mode == OpenMode::write) SAHEL_TRY(db.run("PRAGMA synchronous = FULL"));
+    StoreIndex index(std::move(db));
+    SAHEL_TRY(index.check_meta(desc));
+    sqlite::Statement last(index.db_, "SELECT generation, step FROM commits ORDER BY generation DESC LIMIT 1");
+    if (last.step()) {
+        index.generation_ = last.integer(0);
+        index.step_ = last.integer(1);
+    }
+    SAHEL_TRY(last.status());
+    return index;
+}
+
+Status StoreIndex::check_meta(const WorldDesc& desc) {
+    sqlite::Statement all(db_, "SELECT key, value FROM meta");
+    int found = 0;
+    while (all.step()) {
+        const std::string key = all.text(0), value = all.text(1);
+        if (key == "format_version") {
+            ++found;
+            if (std::atoi(value.c_str()) > k_world_format_version)
+                return Error{ErrorKind::unsupported,
+                             fmt::format("index.sqlite: world format {} is newer than this program's {}; use "
+                                         "a newer sahel",
+                                         value, k_world_format_version)};
+        }
+        const std::string wanted = key == "tile_cells" ? std::to_string(desc.tile_cells)
+                                   : key == "cell_m"   ? cell_text(desc.cell_m)
+                                                       : "";
+        if (!wanted.empty()) {
+            ++found;
+            if (wanted != value)
+                return Error{ErrorKind::corrupt,
+                             fmt::format("world.json says {} {}, but the tiles were written with {}; set it back", key,
+                                         wanted, value)};
+        }
+    }
+    SAHEL_TRY(all.status());
+    if (found != 3) return Error{ErrorKind::corrupt, "index.sqlite: its description of the world is incomplete"};
+    return {};
+}
+
+Result<std::optional<TileRow>> StoreIndex::find(TileKey key) const {
+    sqlite::Statement s(db_,
+                        fmt::format("SELECT {} FROM tiles WHERE level = ? AND y = ? AND x = ?", k_columns).c_str());
+    s.bind(1, int64_t{key.level}).bind(2, key.y).bind(3, key.x);
+    std::optional<TileRow> row;
+    if (s.step()) row = read_row(s);
+    SAHEL_TRY(s.status());
+    return row;
+}
+
+Result<std::vector<TileRow>> StoreIndex::rows(std::optional<int32_t> level, bool with_blocks) const {
+    sqlite::Statement s(
+        db_, fmt::format("SELECT {}, blocks FROM tiles WHERE level >= ? AND level <= ? ORDER BY level, y, x", k_columns)
+                 .c_str());
+    s.bind(1, int64_t{level.value_or(0)}).bind(2, int64_t{level.value_or(1000)});
+    std::vector<TileRow> rows;
+    while (s.step()) {
+        rows.push_back(read_row(s));
+        if (with_blocks) rows.back().blocks = unpack(s.blob(10));
+    }
+    SAHEL_TRY(s.status());
+    return rows;
+}
+
+Result<std::vector<TileKey>> StoreIndex::keys(int32_t level) const {
+    sqlite::Statement s(db_, "SELECT x, y FROM tiles WHERE level = ? ORDER BY y, x");
+    s.bind(1, int64_t{level});
+    std::vector<TileKey> keys;
+    while (s.step()) keys.push_back({level, s.integer(0), s.integer(1)});
+    SAHEL_TRY(s.status());
+    return keys;
+}
+
+Result<int32_t> StoreIndex::top_level() const {
+    sqlite::Statement s(db_, "SELECT ifnull(max(level), -1) FROM tiles");
+    int32_t top = -1;
+    if (s.step()) top = static_cast<int32_t>(s.integer(0));
+    SAHEL_TRY(s.status());
+    return top;
+}
+
+Status StoreIndex::commit(int64_t generation, int64_t step, std::span<const TileRow> rows) {
+    SAHEL_TRY(db_.run("BEGIN IMMEDIATE"));
+    const auto write = [&]() -> Status {
+        sqlite::Statement put(
+            db_, "INSERT OR REPLACE INTO tiles(level, x, y, file, bytes, checksum, generation, step, low_m, high_m, "
+                 "blocks) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+        for (const TileRow& r : rows) {
+            const std::vector<uint8_t> blocks = pack(r.blocks);
+            put.bind(1, int64_t{r.key.level}).bind(2, r.key.x).bind(3, r.key.y).bind(4, std::string_view(r.file));
+            put.bind(5, static_cast<int64_t>(r.bytes))
+                .bind(6, std::string_view(r.checksum))
+                .bind(7, r.generation)
+                .bind(8, r.step);
+            put.bind(9, static_cast<double>(r.low_m))
+                .bind(10, static_cast<double>(r.high_m))
+                .bind(11, std::span(blocks));
+            (void)put.step();
+            SAHEL_TRY(put.status());
+            put.reset();
+        }
+        sqlite::Statement note(db_, "INSERT INTO commits(generation, step, tiles) VALUES(?, ?, ?)");
+        note.bind(1, generation).bind(2, step).bind(3, static_cast<int64_t>(rows.size()));
+        (void)note.step();
+        SAHEL_TRY(note.status());
+        return {};
+    };
+    Status written = write();
+    if (written.ok()) written = db_.run("COMMIT");
+    if (!written.ok()) {
+        (void)db_.run("ROLLBACK");
+        return written;
+    }
+    generation_ = generation;
+    step_ = step;
+    return {};
+}
+
+Result<std::string> StoreIndex::integrity() const {
+    sqlite::Statement s(db_, "PRAGMA quick_check(1)");
+    std::string answer;
+    if (s.step()) answer = s.text(0);
+    SAHEL_TRY(s.status());
+    return answer;
+}
+
+} // namespace sahel

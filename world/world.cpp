@@ -1,0 +1,429 @@
+#include "world/world.h"
+
+#include "world/file_io.h"
+#include "world/lod_filter.h"
+#include "world/store_index.h"
+#include "world/store_surface.h"
+#include "world/world_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fcntl.h>
+#include <map>
+#include <set>
+#include <sys/file.h>
+#include <unistd.h>
+#include <unordered_set>
+
+namespace sahel {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr uint64_t k_cache_bytes = uint64_t{192} << 20;
+constexpr size_t k_few_top_tiles = 4; ///< parents are made up to the level where this many cover everything
+constexpr int32_t k_max_stored_level = 20;
+constexpr uint64_t k_max_tile_file_bytes = uint64_t{4} << 30;
+
+/// The one writer of a world: a lock on a file that the kernel drops when the process ends, however it ends.
+class WriterLock {
+  public:
+    static Result<WriterLock> take(const fs::path& folder) {
+        const fs::path path = folder / ".lock";
+        const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+        if (file < 0)
+            return Error{ErrorKind::io, fmt::format("{}: cannot be made; is the folder writable?", path.string())};
+        if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
+            ::close(file);
+            return Error{ErrorKind::busy,
+                         fmt::format("{}: another program is writing this world; wait for it", folder.string())};
+        }
+        return WriterLock(file);
+    }
+    WriterLock(WriterLock&& o) noexcept : file_(std::exchange(o.file_, -1)) {}
+    WriterLock& operator=(WriterLock&& o) noexcept {
+        std::swap(file_, o.file_);
+        return *this;
+    }
+    ~WriterLock() {
+        if (file_ >= 0) ::close(file_);
+    }
+
+  private:
+    explicit WriterLock(int file) : file_(file) {}
+    int file_;
+};
+
+/// tiles/L02/s-1_3/-17_99.g12.exr: 32 x 32 tiles a folder.
+std::string tile_file(TileKey key, int64_t generation) {
+    return fmt::format("tiles/L{:02}/s{}_{}/{}_{}.g{}.exr", key.level, key.x >> 5, key.y >> 5, key.x, key.y,
+                       generation);
+}
+
+Status in_world(const fs::path& folder, const Status& status) {
+    if (status.ok()) return {};
+    Error e = status.error();
+    if (e.message.find(folder.string()) == std::string::npos) e.message = folder.string() + ": " + e.message;
+    return e;
+}
+
+} // namespace
+
+struct World::Impl {
+    fs::path folder;
+    WorldDesc desc;
+    OpenMode mode;
+    std::optional<WriterLock> lock;
+    mutable std::mutex mutex; ///< of the index
+    StoreIndex index;
+    mutable TileCache cache{k_cache_bytes};
+    BackgroundSurface background;
+    StoreSurface surface;
+
+    Impl(fs::path f, WorldDesc d, OpenMode m, std::optional<WriterLock> l, StoreIndex i)
+        : folder(std::move(f)), desc(std::move(d)), mode(m), lock(std::move(l)), index(std::move(i)), background(desc),
+          surface(desc, background, [this](TileKey key) { return load(key); }) {}
+
+    Status refresh_top() {
+        SAHEL_ASSIGN(const int32_t top, index.top_level());
+        std::vector<TileKey> keys;
+        if (top >= 0) {
+            SAHEL_ASSIGN(keys, index.keys(top));
+        }
+        surface.set_top(top, std::move(keys));
+        return {};
+    }
+
+    Result<StoredTile> read_row(const TileRow& row) const {
+        const fs::path path = folder / row.file;
+        SAHEL_ASSIGN(const std::vector<uint8_t> bytes, read_file(path, k_max_tile_file_bytes));
+        if (bytes.size() != row.bytes || to_hex(checksum(bytes)) != row.checksum)
+            return Error{ErrorKind::corrupt,
+                         fmt::format("{}: its bytes are not what was written; run sahel verify", path.string())};
+        SAHEL_ASSIGN(StoredTile tile, decode_tile(bytes, path.string()));
+        if (tile.key != row.key || tile.tile_cells != desc.tile_cells)
+            return Error{ErrorKind::corrupt, fmt::format("{}: holds another tile than the index says", path.string())};
+        return tile;
+    }
+
+    /// A stored tile, or null.
+    Result<std::shared_ptr<const StoredTile>> load(TileKey key) const {
+        if (auto cached = cache.find(key)) return cached;
+        std::optional<TileRow> row;
+        {
+            const std::lock_guard guard(mutex);
+            SAHEL_ASSIGN(row, index.find(key));
+        }
+        if (!row) return std::shared_ptr<const StoredTile>{};
+        SAHEL_ASSIGN(StoredTile tile, read_row(*row));
+        auto shared = std::make_shared<const StoredTile>(std::move(tile));
+        cache.put(key, shared);
+        return std::shared_ptr<const StoredTile>(shared);
+    }
+
+    /// A tile as the world shows it: stored, or of the background.
+    Result<std::shared_ptr<const StoredTile>> shown(TileKey key) const {
+        SAHEL_ASSIGN(auto stored, load(key));
+        if (stored) return stored;
+        SAHEL_ASSIGN(LayerBlock block,
+                     LayerBlock::allocate(key.level, tile_rect(key, desc.tile_cells), 0, k_persisted_layers));
+        SAHEL_TRY(background.read(block));
+        SAHEL_ASSIGN(StoredTile tile, make_stored_tile(key, desc.tile_cells, block));
+        return std::make_shared<const StoredTile>(std::move(tile));
+    }
+
+    Result<TileRow> write_tile(const StoredTile& tile, int64_t generation, int64_t step) const {
+        TileRow row;
+        row.key = tile.key;
+        row.file = tile_file(tile.key, generation);
+        row.generation = generation;
+        row.step = step;
+        SAHEL_ASSIGN(const std::vector<uint8_t> bytes, encode_tile(tile));
+        row.bytes = bytes.size();
+        row.checksum = to_hex(checksum(bytes));
+        int32_t low = INT32_MAX, high = INT32_MIN;
+        for (int y = 0; y < tile.tile_cells; ++y)
+            for (int x = 0; x < tile.tile_cells; ++x) {
+                const int32_t h = tile.at(Layer::bedrock, x, y) + tile.at(Layer::soil, x, y) +
+                                  tile.at(Layer::sand, x, y) + tile.at(Layer::water, x, y);
+                low = std::min(low, h);
+                high = std::max(high, h);
+            }
+        row.low_m = metres_of_ticks(low);
+        row.high_m = metres_of_ticks(high);
+        if (tile.key.level == 0) row.blocks = hash_blocks(tile);
+        SAHEL_TRY(write_file(folder / row.file, std::span<const uint8_t>(bytes)));
+        return row;
+    }
+
+    Status commit(int64_t step, std::span<const TileUpdate> updates);
+    Status write_all(int64_t generation, int64_t step, std::span<const TileUpdate> updates,
+                     std::vector<TileRow>& rows) const;
+    void remove_files(std::span<const std::string> files) const {
+        std::error_code ignored;
+        for (const std::string& f : files) fs::remove(folder / f, ignored);
+    }
+    Result<std::set<std::string>> indexed_files() const {
+        std::set<std::string> files;
+        SAHEL_ASSIGN(const auto rows, index.rows(std::nullopt, false));
+        for (const TileRow& r : rows) files.insert(r.file);
+        return files;
+    }
+    std::vector<std::string> files_on_disk() const {
+        std::vector<std::string> files;
+        std::error_code error;
+        for (auto it = fs::recursive_directory_iterator(folder / "tiles", error);
+             !error && it != fs::recursive_directory_iterator(); it.increment(error))
+            if (!it->is_directory(error)) files.push_back(fs::relative(it->path(), folder, error).generic_string());
+        std::sort(files.begin(), files.end());
+        return files;
+    }
+    Status forget_orphans() {
+        SAHEL_ASSIGN(const std::set<std::string> known, indexed_files());
+        for (const std::string& f : files_on_disk())
+            if (!known.contains(f)) remove_files(std::span(&f, 1));
+        return {};
+    }
+};
+
+Status World::Impl::write_all(int64_t generation, int64_t step, std::span<const TileUpdate> updates,
+                              std::vector<TileRow>& rows) const {
+    // New tiles of the level below, by key; what is not among them comes from the store or the background.
+    std::map<TileKey, std::shared_ptr<const StoredTile>> fresh;
+    for (const TileUpdate& u : updates) {
+        SAHEL_ASSIGN(StoredTile tile, make_stored_tile(u.key, desc.tile_cells, *u.block));
+        SAHEL_ASSIGN(TileRow row, write_tile(tile, generation, step));
+        rows.push_back(std::move(row));
+        fresh[u.key] = std::make_shared<const StoredTile>(std::move(tile));
+    }
+    std::set<TileKey> all; // every stored tile of the level, this commit's included
+    {
+        SAHEL_ASSIGN(const auto stored, index.keys(0));
+        all.insert(stored.begin(), stored.end());
+    }
+    for (const TileUpdate& u : updates) all.insert(u.key);
+    SAHEL_ASSIGN(const int32_t top, index.top_level());
+    for (int32_t level = 1; level <= k_max_stored_level && (level == 1 || all.size() > k_few_top_tiles || level <= top);
+         ++level) {
+        std::set<TileKey> dirty, parents;
+        for (const auto& [key, tile] : fresh) dirty.insert(key.parent());
+        for (const TileKey key : all) parents.insert(key.parent());
+        if (level > top) dirty = parents; // the first tiles of a new level: all of them
+        std::map<TileKey, std::shared_ptr<const StoredTile>> made;
+        for (const TileKey parent : dirty) {
+            std::array<std::shared_ptr<const StoredTile>, 4> held;
+            std::array<const StoredTile*, 4> children{};
+            for (int q = 0; q < 4; ++q) {
+                const auto found = fresh.find(parent.child(q));
+                if (found != fresh.end()) {
+                    held[static_cast<size_t>(q)] = found->second;
+                } else {
+                    SAHEL_ASSIGN(held[static_cast<size_t>(q)], shown(parent.child(q)));
+                }
+                children[static_cast<size_t>(q)] = held[static_cast<size_t>(q)].get();
+            }
+            SAHEL_ASSIGN(StoredTile tile, make_parent(parent, children));
+            SAHEL_ASSIGN(TileRow row, write_tile(tile, generation, step));
+            rows.push_back(std::move(row));
+            made[parent] = std::make_shared<const StoredTile>(std::move(tile));
+        }
+        fresh = std::move(made);
+        all = std::move(parents);
+    }
+    return {};
+}
+
+Status World::Impl::commit(int64_t step, std::span<const TileUpdate> updates) {
+    if (mode != OpenMode::write)
+        return Error{ErrorKind::usage,
+                     fmt::format("{}: opened for reading; open it for writing to commit", folder.string())};
+    if (step < index.step())
+        return Error{ErrorKind::usage,
+                     fmt::format("{}: step {} lies before the committed step {}", folder.string(), step, index.step())};
+    std::unordered_set<TileKey> seen;
+    for (const TileUpdate& u : updates) {
+        SAHEL_CHECK(u.block != nullptr);
+        if (u.key.level != 0 || !seen.insert(u.key).second)
+            return Error{ErrorKind::usage, fmt::format("{}: a commit holds each level 0 tile once", folder.string())};
+    }
+    const int64_t generation = index.generation() + 1;
+    std::vector<TileRow> rows;
+    std::vector<std::string> replaced;
+    Status status = write_all(generation, step, updates, rows);
+    for (size_t i = 0; status.ok() && i < rows.size(); ++i) {
+        auto old = index.find(rows[i].key);
+        if (!old.ok())
+            status = old.error();
+        else if (*old)
+            replaced.push_back((*old)->file);
+    }
+    {
+        const std::lock_guard guard(mutex);
+        if (status.ok()) status = index.commit(generation, step, rows);
+    }
+    if (!status.ok()) { // nothing points to the new files: as if they had never been
+        std::vector<std::string> files;
+        for (const TileRow& r : rows) files.push_back(r.file);
+        remove_files(files);
+        return in_world(folder, status);
+    }
+    cache.clear();
+    remove_files(replaced);
+    return in_world(folder, refresh_top());
+}
+
+World::World(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+World::World(World&&) noexcept = default;
+World& World::operator=(World&&) noexcept = default;
+World::~World() = default;
+
+Result<World> World::create(const fs::path& folder, const WorldDesc& desc) {
+    SAHEL_TRY(check_world_desc(desc, folder.string()));
+    std::error_code error;
+    if (fs::exists(folder, error) && (!fs::is_directory(folder, error) || !fs::is_empty(folder, error)))
+        return Error{ErrorKind::usage,
+                     fmt::format("{}: exists already and is not empty; choose another folder", folder.string())};
+    SAHEL_TRY(make_folder(folder));
+    SAHEL_ASSIGN(WriterLock lock, WriterLock::take(folder));
+    {
+        auto index = StoreIndex::create(folder / "index.sqlite", desc);
+        if (!index.ok()) return index.error();
+    }
+    SAHEL_TRY(make_folder(folder / "tiles"));
+    // world.json comes last: a folder without it is not a world yet.
+    SAHEL_TRY(write_file(folder / "world.json", world_json(desc)));
+    { const WriterLock released = std::move(lock); }
+    return open(folder, OpenMode::write);
+}
+
+Result<World> World::open(const fs::path& folder, OpenMode mode) {
+    std::error_code error;
+    if (!fs::is_directory(folder, error))
+        return Error{ErrorKind::not_found, fmt::format("{}: there is no such world", folder.string())};
+    const fs::path json = folder / "world.json";
+    if (!fs::exists(json, error))
+        return Error{ErrorKind::not_found, fmt::format("{}: is not a world (it has no world.json)", folder.string())};
+    SAHEL_ASSIGN(const std::string text, read_text_file(json));
+    SAHEL_ASSIGN(WorldDesc desc, parse_world_json(text, json.string()));
+    std::optional<WriterLock> lock;
+    if (mode == OpenMode::write) {
+        SAHEL_ASSIGN(lock, WriterLock::take(folder));
+    }
+    auto index = StoreIndex::open(folder / "index.sqlite", mode, desc);
+    if (!index.ok()) return in_world(folder, index.error()).error();
+    auto impl = std::make_unique<Impl>(folder, std::move(desc), mode, std::move(lock), std::move(index).value());
+    if (mode == OpenMode::write) SAHEL_TRY(in_world(folder, impl->forget_orphans()));
+    SAHEL_TRY(in_world(folder, impl->refresh_top()));
+    return World(std::move(impl));
+}
+
+const fs::path& World::folder() const {
+    return impl_->folder;
+}
+
+const WorldDesc& World::desc() const {
+    return impl_->desc;
+}
+
+Status World::commit(int64_t step, std::span<const TileUpdate> tiles) {
+    return impl_->commit(step, tiles);
+}
+
+Result<bool> World::has_tile(TileKey key) const {
+    const std::lock_guard guard(impl_->mutex);
+    SAHEL_ASSIGN(const auto row, impl_->index.find(key));
+    return row.has_value();
+}
+
+Result<std::vector<TileKey>> World::tiles(int32_t level) const {
+    const std::lock_guard guard(impl_->mutex);
+    return impl_->index.keys(level);
+}
+
+Result<LayerBlock> World::read_tile(TileKey key, LayerSet layers, MemoryPool& pool) const {
+    SAHEL_ASSIGN(const auto tile, impl_->load(key));
+    if (!tile)
+        return Error{ErrorKind::not_found, fmt::format("{}: tile {},{} of level {} is not stored",
+                                                       impl_->folder.string(), key.x, key.y, key.level)};
+    SAHEL_ASSIGN(LayerBlock block,
+                 LayerBlock::allocate(key.level, tile_rect(key, impl_->desc.tile_cells), 0, layers, pool));
+    block.clear();
+    layers.intersected(k_persisted_layers).for_each([&](Layer layer) {
+        for (int y = 0; y < impl_->desc.tile_cells; ++y) {
+            int32_t* to = info_of(layer).type == LayerType::real ? reinterpret_cast<int32_t*>(block.reals(layer).row(y))
+                                                                 : block.ints(layer).row(y);
+            tile->copy_row(layer, 0, y, impl_->desc.tile_cells, to);
+        }
+    });
+    return block;
+}
+
+const SurfaceSource& World::surface() const {
+    return impl_->surface;
+}
+
+Result<WorldInfo> World::info() const {
+    const std::lock_guard guard(impl_->mutex);
+    SAHEL_ASSIGN(const auto rows, impl_->index.rows(std::nullopt, false));
+    WorldInfo info;
+    info.step = impl_->index.step();
+    bool first = true;
+    for (const TileRow& r : rows) {
+        info.disk_bytes += r.bytes;
+        if (r.key.level > 0) {
+            ++info.parent_count;
+            continue;
+        }
+        ++info.tile_count;
+        const CellRect c = tile_rect(r.key, impl_->desc.tile_cells);
+        info.bounds = first ? c
+                            : CellRect{std::min(info.bounds.x0, c.x0), std::min(info.bounds.y0, c.y0),
+                                       std::max(info.bounds.x1, c.x1), std::max(info.bounds.y1, c.y1)};
+        info.min_surface_m = first ? r.low_m : std::min(info.min_surface_m, r.low_m);
+        info.max_surface_m = first ? r.high_m : std::max(info.max_surface_m, r.high_m);
+        first = false;
+    }
+    std::error_code ignored;
+    for (const char* name : {"world.json", "index.sqlite", "index.sqlite-wal"})
+        if (const auto size = fs::file_size(impl_->folder / name, ignored); !ignored) info.disk_bytes += size;
+    return info;
+}
+
+Result<std::string> World::hash() const {
+    const std::lock_guard guard(impl_->mutex);
+    SAHEL_ASSIGN(const auto rows, impl_->index.rows(0, true));
+    std::vector<BlockDigest> blocks;
+    for (const TileRow& r : rows) blocks.insert(blocks.end(), r.blocks.begin(), r.blocks.end());
+    return hash_world(std::move(blocks));
+}
+
+Result<VerifyReport> World::verify(const std::function<void(int64_t, int64_t)>& progress) const {
+    const std::lock_guard guard(impl_->mutex);
+    VerifyReport report;
+    SAHEL_ASSIGN(const std::string index_state, impl_->index.integrity());
+    if (index_state != "ok") report.issues.push_back({"index.sqlite", "damaged: " + index_state, false});
+    SAHEL_ASSIGN(const auto rows, impl_->index.rows(std::nullopt, true));
+    std::set<std::string> known;
+    for (const TileRow& r : rows) {
+        known.insert(r.file);
+        const bool regenerable = r.key.level > 0; // from the level below
+        std::error_code error;
+        if (!fs::exists(impl_->folder / r.file, error)) {
+            report.issues.push_back({r.file, "missing", regenerable});
+        } else if (auto tile = impl_->read_row(r); !tile.ok()) {
+            report.issues.push_back({r.file, tile.error().message, regenerable});
+        } else if (r.key.level == 0 && hash_blocks(*tile) != r.blocks) {
+            report.issues.push_back({r.file, "the index holds other state hashes than the tile", false});
+        }
+        ++report.files_checked;
+        report.bytes_checked += r.bytes;
+        if (progress) progress(report.files_checked, static_cast<int64_t>(rows.size()));
+    }
+    for (const std::string& f : impl_->files_on_disk())
+        if (!known.contains(f)) report.issues.push_back({f, "does not belong to this world; it can be deleted", false});
+    return report;
+}
+
+} // namespace sahel
