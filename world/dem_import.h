@@ -23,7 +23,7 @@
 /// of `edge_cells` cells, in which the ground runs from the rim to the plain around the world; its cells and the
 /// corners that no file covers have k_mask_outside.
 ///
-/// Memory: about `memory_bytes`, whatever the size of the files; disk: about 10 bytes of scratch per cell beside the
+/// Memory: about `memory_bytes`, whatever the size of the files; disk: at most 13 bytes of scratch per cell beside the
 /// world while the import runs. The world is built in `WORLD.importing-PID` and renamed at the end: after an error
 /// there is no trace of it, and WORLD is what it was.
 namespace sahel {
@@ -35,7 +35,7 @@ struct DemImportOptions {
     std::optional<double> sea_m;     ///< sea level, as a height of the files
     double shelf_m = 60.0;           ///< greatest depth of a sea bed that has to be made up, m
     std::optional<double> outside_m; ///< plain around the data, as a height of the files; default: near the lowest rim
-    int64_t edge_cells = -1;         ///< width of the skirt; -1: 256, at most one tile; 0: none
+    int64_t edge_cells = -1;         ///< width of the skirt; -1: by the relief, at most 256 and a tile; 0: none
     int tile_cells = 512;
     std::string name; ///< of the world; empty: that of the folder
     DemCoverParams cover;

@@ -6,6 +6,7 @@
 #include "world/dem_raster.h"
 #include "world/dem_resample.h"
 #include "world/dem_sea.h"
+#include "world/field.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr uint64_t k_least_memory = uint64_t{32} << 20;
-constexpr double k_scratch_bytes_per_cell = 10.0;
+constexpr double k_scratch_bytes_per_cell = 13.0;
 constexpr int64_t k_block_columns = 4096, k_block_rows = 64; // whole rows of strips and of 64-row blocks at a time
 constexpr double k_ticks = static_cast<double>(k_ticks_per_m);
 
@@ -44,12 +45,20 @@ class Import {
     Status write_tiles();
     Status build_tile(TileKey key, const DemCover& cover, LayerBlock& block) const;
 
+    /// 1 at the data, 0 from the end of the skirt on.
+    [[nodiscard]] double skirt_weight(float distance) const {
+        return skirt_ > 0 ? 1.0 - smooth(std::min(1.0, static_cast<double>(distance) / static_cast<double>(skirt_)))
+                          : 0.0;
+    }
+    static double smooth(double t) { return t * t * (3.0 - 2.0 * t); }
+
     Status step(std::string_view stage, double fraction) {
         if (!progress_ || progress_(stage, fraction)) return {};
         return Error{ErrorKind::io, "the import was stopped; nothing was changed"};
     }
+    /// As the store rounds the heights of a description, so that the plain and the sea go on without a step.
     [[nodiscard]] int32_t world_ticks(double file_m) const {
-        return static_cast<int32_t>(std::llround((file_m - options_.datum_m) * k_ticks));
+        return ticks_of_metres(static_cast<float>(file_m - options_.datum_m));
     }
 
     DemSink& sink_;
@@ -59,8 +68,11 @@ class Import {
     DemMosaic mosaic_;
     DemImportReport report_;
     int64_t margin_ = 0;
-    CellRect data_;  ///< cells of the world
-    CellRect cells_; ///< data_ with its skirt
+    CellRect data_;                 ///< cells of the world
+    CellRect cells_;                ///< data_ and the widest skirt: what the rasters hold
+    int64_t skirt_ = 0;             ///< width of the skirt, at most margin_
+    ScratchRaster<float> distance_; ///< to the data, where there is a skirt
+    std::optional<DemSea> sea_;
     ScratchRaster<int32_t> ticks_;
     ScratchRaster<DemMask> mask_;
     int32_t outside_ticks_ = 0;
@@ -169,42 +181,66 @@ Status Import::look_at_heights() {
                      fmt::format("{}: all heights lie in 0..1, so they look normalised: give the heights of 0 and 1 "
                                  "(--range LO,HI; metres: --range 0,1)",
                                  first)};
-    double outside_m = report_.min_m;
+    double outside_m = report_.min_m, high_rim_m = outside_m;
     if (!rim.empty()) { // a low part of the rim: valleys run out into the plain, hills end above it
-        const auto tenth = rim.begin() + static_cast<std::ptrdiff_t>(rim.size() / 10);
-        std::nth_element(rim.begin(), tenth, rim.end());
-        outside_m = static_cast<double>(*tenth) / k_ticks + options_.datum_m;
+        const auto part = [&](size_t tenths) {
+            const auto at = rim.begin() + static_cast<std::ptrdiff_t>((rim.size() - 1) * tenths / 10);
+            std::nth_element(rim.begin(), at, rim.end());
+            return static_cast<double>(*at) / k_ticks + options_.datum_m;
+        };
+        outside_m = part(1);
+        high_rim_m = part(9);
     }
     if (options_.sea_m) outside_m = std::min(outside_m, *options_.sea_m - options_.shelf_m);
     outside_m = options_.outside_m.value_or(outside_m);
     if (!(std::abs(outside_m - options_.datum_m) < 16000.0))
         return Error{ErrorKind::usage, fmt::format("a plain at {} m is beyond +-16 km of the datum", outside_m)};
     outside_ticks_ = world_ticks(outside_m);
-    report_.outside_m = static_cast<double>(outside_ticks_) / k_ticks;
+    report_.outside_m = static_cast<double>(static_cast<float>(outside_m - options_.datum_m));
+    skirt_ = margin_;
+    if (options_.edge_cells < 0) // a slope of about 1 in 2 at the steepest
+        skirt_ = std::clamp<int64_t>(std::llround(3.0 * (high_rim_m - outside_m) / report_.cell_m),
+                                     std::min<int64_t>(32, margin_), margin_);
     return {};
 }
 
+/// Beyond the data the ground runs from what the rim suggests to the plain. Where the nearest data is sea the bed goes
+/// on, so that mountains elsewhere on the rim raise no dam before it.
 Status Import::shape_skirt() {
-    SAHEL_ASSIGN(const auto distance, distance_to(
-                                          mask_, [](DemMask m) { return (m & k_mask_outside) == 0; }, scratch_));
+    const auto outside = [](DemMask m) { return (m & k_mask_outside) != 0; };
+    SAHEL_ASSIGN(distance_, distance_to(
+                                mask_, [&](DemMask m) { return !outside(m); }, scratch_));
+    ScratchRaster<float> land;
+    const bool coast = sea_ && sea_->cells > 0;
+    if (coast) {
+        SAHEL_ASSIGN(land, distance_to(
+                               mask_, [](DemMask m) { return (m & (k_mask_outside | k_mask_sea)) == 0; }, scratch_));
+    }
     const auto width = static_cast<size_t>(cells_.width());
     std::vector<int32_t> ticks(width);
     std::vector<DemMask> mask(width);
-    std::vector<float> d(width);
+    std::vector<float> d(width), shore(width);
     for (int64_t y = 0; y < cells_.height(); ++y) {
         SAHEL_TRY(mask_.read_row(y, mask.data()));
-        if (std::none_of(mask.begin(), mask.end(), [](DemMask m) { return (m & k_mask_outside) != 0; })) continue;
+        if (std::none_of(mask.begin(), mask.end(), outside)) continue;
         SAHEL_TRY(ticks_.read_row(y, ticks.data()));
-        SAHEL_TRY(distance.read_row(y, d.data()));
+        SAHEL_TRY(distance_.read_row(y, d.data()));
+        if (coast) SAHEL_TRY(land.read_row(y, shore.data()));
         for (size_t x = 0; x < width; ++x) {
-            if (!(mask[x] & k_mask_outside)) continue;
-            const double t =
-                margin_ > 0 ? std::min(1.0, static_cast<double>(d[x]) / static_cast<double>(margin_)) : 1.0;
-            const double keep = 1.0 - t * t * (3.0 - 2.0 * t);
-            ticks[x] = outside_ticks_ +
-                       static_cast<int32_t>(std::llround(keep * (static_cast<double>(ticks[x]) - outside_ticks_)));
+            if (!outside(mask[x])) continue;
+            double ground = outside_ticks_ + skirt_weight(d[x]) * (static_cast<double>(ticks[x]) - outside_ticks_);
+            if (coast) {
+                const float offshore_m = shore[x] * static_cast<float>(report_.cell_m);
+                const double bed = *sea_ticks_ - ticks_of_metres(sea_bed_depth_m(offshore_m, options_.shelf_m));
+                const double to_land = static_cast<double>(shore[x]), to_data = static_cast<double>(d[x]);
+                const double nearer = std::isinf(to_land) ? 1.0 : std::min(1.0, 2.0 * (to_land - to_data) / to_land);
+                ground -= smooth(nearer) * std::max(0.0, ground - bed);
+            }
+            ticks[x] = static_cast<int32_t>(std::llround(ground));
+            if (sea_ticks_ && ticks[x] < *sea_ticks_) mask[x] = static_cast<DemMask>(mask[x] | k_mask_sea);
         }
         SAHEL_TRY(ticks_.write_row(y, ticks.data()));
+        SAHEL_TRY(mask_.write_row(y, mask.data()));
     }
     return {};
 }
@@ -215,16 +251,15 @@ Status Import::fill() {
         SAHEL_TRY(step("filling", 0.0));
         SAHEL_TRY(fill_dem(ticks_, mask_, scratch_));
     }
+    if (sea_ticks_) {
+        SAHEL_TRY(step("sea", 0.0));
+        SAHEL_ASSIGN(sea_, flood_sea(ticks_, mask_, *sea_ticks_, options_.shelf_m, report_.cell_m, scratch_));
+        report_.sea_cells = sea_->cells;
+        report_.made_up_sea_bed = sea_->made_up_bed;
+    }
     if (outside) {
         SAHEL_TRY(step("filling", 0.7));
         SAHEL_TRY(shape_skirt());
-    }
-    if (sea_ticks_) {
-        SAHEL_TRY(step("sea", 0.0));
-        SAHEL_ASSIGN(const DemSea sea,
-                     flood_sea(ticks_, mask_, *sea_ticks_, options_.shelf_m, report_.cell_m, scratch_));
-        report_.sea_cells = sea.cells;
-        report_.made_up_sea_bed = sea.made_up_bed;
     }
     return {};
 }
@@ -233,11 +268,14 @@ Status Import::build_tile(TileKey key, const DemCover& cover, LayerBlock& block)
     const CellRect tile = tile_rect(key, options_.tile_cells);
     const CellRect around = tile.grown(cover.reach()).intersected(cells_);
     const CellRect inside = tile.intersected(cells_);
+    const bool skirt = distance_.width() > 0 && (report_.uncovered_cells > 0 || !data_.contains(inside));
     const CellRect place{around.x0 + margin_, around.y0 + margin_, around.x1 + margin_, around.y1 + margin_};
     std::vector<int32_t> ground(static_cast<size_t>(around.area()));
     std::vector<DemMask> mask(ground.size());
     SAHEL_TRY(ticks_.read(place, ground.data()));
     SAHEL_TRY(mask_.read(place, mask.data()));
+    std::vector<float> distance(skirt ? ground.size() : 0);
+    if (skirt) SAHEL_TRY(distance_.read(place, distance.data()));
     std::vector<int32_t> soil(static_cast<size_t>(inside.area())), sand(soil.size());
     cover.estimate(around, ground.data(), mask.data(), inside, soil.data(), sand.data());
     const auto bedrock = block.ints(Layer::bedrock), soils = block.ints(Layer::soil), sands = block.ints(Layer::sand),
@@ -255,6 +293,11 @@ Status Import::build_tile(TileKey key, const DemCover& cover, LayerBlock& block)
                 soil_ticks = soil[j];
                 sand_ticks = sand[j];
                 bits = mask[i];
+                if (skirt && (bits & k_mask_outside)) { // the plain around is bare
+                    const double keep = skirt_weight(distance[i]);
+                    soil_ticks = static_cast<int32_t>(soil_ticks * keep);
+                    sand_ticks = static_cast<int32_t>(sand_ticks * keep);
+                }
             }
             soils(x, y) = soil_ticks;
             sands(x, y) = sand_ticks;
@@ -272,17 +315,17 @@ Status Import::write_tiles() {
     desc.tile_cells = options_.tile_cells;
     desc.cell_m = report_.cell_m;
     desc.outside_m = report_.outside_m;
-    if (sea_ticks_) desc.sea_m = static_cast<double>(*sea_ticks_) / k_ticks;
+    if (sea_ticks_) desc.sea_m = static_cast<double>(static_cast<float>(*options_.sea_m - options_.datum_m));
     desc.georeference = report_.georeference;
     SAHEL_TRY(sink_.begin(desc));
 
     const DemCover cover(options_.cover, report_.cell_m, sea_ticks_);
     const LayerSet layers{Layer::bedrock, Layer::soil, Layer::sand, Layer::water, Layer::mask};
     std::vector<TileKey> keys;
-    for_each_tile(cells_, 0, options_.tile_cells, [&](TileKey key) { keys.push_back(key); });
+    for_each_tile(data_.grown(skirt_), 0, options_.tile_cells, [&](TileKey key) { keys.push_back(key); });
     const int64_t side = options_.tile_cells + 2 * cover.reach();
     const uint64_t tile_bytes = LayerBlock::bytes_needed(tile_rect(keys[0], options_.tile_cells), 0, layers) +
-                                static_cast<uint64_t>(side * side) * (4 + 1 + 8 + 8 + 8);
+                                static_cast<uint64_t>(side * side) * (4 + 1 + 4 + 8 + 8 + 8);
     const uint64_t batch = std::max<uint64_t>(1, options_.memory_bytes / 2 / tile_bytes);
     for (size_t first = 0; first < keys.size(); first += batch) {
         SAHEL_TRY(step("writing", static_cast<double>(first) / static_cast<double>(keys.size())));

@@ -111,6 +111,11 @@ double DemMosaic::filter_y(size_t sheet) const {
     return sheets_[sheet].filter_y;
 }
 
+bool DemMosaic::straight(size_t sheet) const {
+    const Sheet& s = sheets_[sheet];
+    return !s.from_target && s.transform[2] == 0.0 && s.transform[4] == 0.0;
+}
+
 Result<DemMosaic> DemMosaic::open(std::span<const fs::path> files, const DemSourceOptions& options, double cell_m) {
     if (files.empty()) return Error{ErrorKind::usage, "no elevation file was named"};
     DemMosaic mosaic;

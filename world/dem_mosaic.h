@@ -53,6 +53,9 @@ class DemMosaic {
     [[nodiscard]] double filter_x(size_t sheet) const;
     [[nodiscard]] double filter_y(size_t sheet) const;
 
+    /// Rows of target cells lie along rows of samples: v does not change along a row of cells.
+    [[nodiscard]] bool straight(size_t sheet) const;
+
     /// Where the centres of target cells lie in a sheet: (u, v) in samples, the first sample's centre at (0.5, 0.5);
     /// NaN where the projection has no answer. The value of a cell does not depend on the rectangle.
     void map(size_t sheet, const CellRect& cells, double* u, double* v) const;

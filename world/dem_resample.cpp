@@ -13,6 +13,10 @@ namespace sahel {
 
 namespace {
 
+double nan_value() {
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
 double cubic(double x) {
     x = std::abs(x);
     if (x < 1.0) return (1.5 * x - 2.5) * x * x + 1.0;
@@ -28,7 +32,7 @@ struct Taps {
     int64_t first = 0;
     std::vector<double> weight;
 
-    template <class Kernel> void around(double at, double filter, double radius, Kernel kernel) {
+    template <class Kernel> void around(double at, double filter, double radius, Kernel kernel, int64_t samples) {
         weight.clear();
         const double nearest = std::round(at);
         if (filter == 1.0 && std::abs(at - nearest) < 1e-6) { // a sample's centre: that sample and nothing else
@@ -44,6 +48,16 @@ struct Taps {
             sum += weight.back();
         }
         for (double& w : weight) w /= sum;
+        // Beyond the first and last sample of a sheet those count on.
+        while (first < 0 && weight.size() > 1) {
+            weight[1] += weight[0];
+            weight.erase(weight.begin());
+            ++first;
+        }
+        while (first + static_cast<int64_t>(weight.size()) > samples && weight.size() > 1) {
+            weight[weight.size() - 2] += weight.back();
+            weight.pop_back();
+        }
     }
 };
 
@@ -52,25 +66,58 @@ struct Window {
     std::vector<double> samples;
 
     [[nodiscard]] double at(int64_t x, int64_t y) const {
-        if (!rect.contains(Cell{x, y})) return std::numeric_limits<double>::quiet_NaN();
+        if (!rect.contains(Cell{x, y})) return nan_value();
         return samples[static_cast<size_t>((y - rect.y0) * rect.width() + (x - rect.x0))];
     }
 };
 
-double weighted(const Window& window, const Taps& tx, const Taps& ty) {
-    const CellRect need{tx.first, ty.first, tx.first + static_cast<int64_t>(tx.weight.size()),
-                        ty.first + static_cast<int64_t>(ty.weight.size())};
-    if (!window.rect.contains(need)) return std::numeric_limits<double>::quiet_NaN();
-    double sum = 0.0;
-    for (size_t j = 0; j < ty.weight.size(); ++j) {
-        const double* row = &window.samples[static_cast<size_t>(
-            (need.y0 + static_cast<int64_t>(j) - window.rect.y0) * window.rect.width() + (need.x0 - window.rect.x0))];
-        double line = 0.0;
-        for (size_t i = 0; i < tx.weight.size(); ++i) line += tx.weight[i] * row[i];
-        sum += ty.weight[j] * line;
+/// Sum over the samples of a tap window; NaN if one is missing. Columns first: where all cells of a row share the rows
+/// of samples (straight sheets), each column is summed once for all of them.
+class WeightedSum {
+  public:
+    WeightedSum(const Window& window, bool straight) : window_(window) {
+        if (straight) column_.assign(static_cast<size_t>(window.rect.width()), 0.0);
     }
-    return sum;
-}
+
+    /// For straight sheets: the rows of all cells to come.
+    void set_rows(const Taps& ty) {
+        const int64_t width = window_.rect.width();
+        std::fill(column_.begin(), column_.end(), 0.0);
+        for (size_t j = 0; j < ty.weight.size(); ++j) {
+            const int64_t y = ty.first + static_cast<int64_t>(j);
+            if (y < window_.rect.y0 || y >= window_.rect.y1) {
+                std::fill(column_.begin(), column_.end(), nan_value());
+                return;
+            }
+            const double* row = &window_.samples[static_cast<size_t>((y - window_.rect.y0) * width)];
+            const double w = ty.weight[j];
+            for (int64_t x = 0; x < width; ++x) column_[static_cast<size_t>(x)] += w * row[x];
+        }
+    }
+
+    [[nodiscard]] double operator()(const Taps& tx, const Taps& ty) const {
+        const CellRect& r = window_.rect;
+        const auto columns = static_cast<int64_t>(tx.weight.size()), rows = static_cast<int64_t>(ty.weight.size());
+        if (!r.contains(CellRect{tx.first, ty.first, tx.first + columns, ty.first + rows})) return nan_value();
+        double sum = 0.0;
+        for (int64_t i = 0; i < columns; ++i) {
+            double column = 0.0;
+            if (!column_.empty()) {
+                column = column_[static_cast<size_t>(tx.first + i - r.x0)];
+            } else {
+                const double* p =
+                    &window_.samples[static_cast<size_t>((ty.first - r.y0) * r.width() + (tx.first + i - r.x0))];
+                for (int64_t j = 0; j < rows; ++j, p += r.width()) column += ty.weight[static_cast<size_t>(j)] * *p;
+            }
+            sum += tx.weight[static_cast<size_t>(i)] * column;
+        }
+        return sum;
+    }
+
+  private:
+    const Window& window_;
+    std::vector<double> column_;
+};
 
 /// Mean of the samples that exist; NaN if they hold less than half of the weight.
 double mean_of_present(const Window& window, const Taps& tx, const Taps& ty) {
@@ -83,7 +130,7 @@ double mean_of_present(const Window& window, const Taps& tx, const Taps& ty) {
             sum += w * h;
             present += w;
         }
-    return present >= 0.5 - 1e-9 ? sum / present : std::numeric_limits<double>::quiet_NaN();
+    return present >= 0.5 - 1e-9 ? sum / present : nan_value();
 }
 
 int32_t to_ticks(double metres) {
@@ -140,27 +187,34 @@ Status Resampler::run(size_t sheet, const CellRect& cells) {
     SAHEL_TRY(mosaic.read(sheet, window.rect, window.samples.data()));
 
     const int64_t width = cells.width();
+    const bool straight = mosaic.straight(sheet);
+    const int64_t columns = mosaic.sheet_width(sheet), rows = mosaic.sheet_height(sheet);
     tbb::parallel_for(int64_t{0}, cells.height(), [&](int64_t j) {
         Taps tx, ty;
+        WeightedSum weighted(window, straight);
+        if (straight) {
+            ty.around(v[static_cast<size_t>(j * width)] - 0.5, fy, 2.0, cubic, rows);
+            weighted.set_rows(ty);
+        }
         const int64_t line = (cells.y0 + j - all.y0) * all.width() + (cells.x0 - all.x0);
         for (int64_t i = 0; i < width; ++i) {
             DemMask& m = mask[line + i];
             if (m == 0) continue; // a better sheet has it
             const double x = u[static_cast<size_t>(j * width + i)], y = v[static_cast<size_t>(j * width + i)];
             if (!(x >= -1e-6 && y >= -1e-6 && x <= w + 1e-6 && y <= h + 1e-6)) continue;
-            const Cell under{
-                std::clamp(static_cast<int64_t>(std::floor(x)), int64_t{0}, mosaic.sheet_width(sheet) - 1),
-                std::clamp(static_cast<int64_t>(std::floor(y)), int64_t{0}, mosaic.sheet_height(sheet) - 1)};
+            const Cell under{std::clamp(static_cast<int64_t>(std::floor(x)), int64_t{0}, columns - 1),
+                             std::clamp(static_cast<int64_t>(std::floor(y)), int64_t{0}, rows - 1)};
             if (std::none_of(covered.begin(), covered.end(), [&](const CellRect& c) { return c.contains(under); }))
                 continue;
             m = static_cast<DemMask>(k_mask_filled);
-            tx.around(x - 0.5, fx, 2.0, cubic);
-            ty.around(y - 0.5, fy, 2.0, cubic);
-            double height = weighted(window, tx, ty);
+            tx.around(x - 0.5, fx, 2.0, cubic, columns);
+            if (!straight) ty.around(y - 0.5, fy, 2.0, cubic, rows);
+            double height = weighted(tx, ty);
             if (std::isnan(height)) {
-                tx.around(x - 0.5, fx, 1.0, triangle);
-                ty.around(y - 0.5, fy, 1.0, triangle);
+                tx.around(x - 0.5, fx, 1.0, triangle, columns);
+                ty.around(y - 0.5, fy, 1.0, triangle, rows);
                 height = mean_of_present(window, tx, ty);
+                if (straight) ty.around(y - 0.5, fy, 2.0, cubic, rows);
             }
             if (std::isnan(height)) continue;
             ticks[line + i] = to_ticks(height - datum_m);

@@ -28,8 +28,11 @@ Result<bool> flood_once(const ScratchRaster<int32_t>& ticks, ScratchRaster<DemMa
         bool changed = false;
         const auto visit = [&](int64_t i, bool beside) {
             const auto x = static_cast<size_t>(i);
-            if (ground[x] > sea_ticks || (now[x] & k_mask_sea)) return;
-            const bool edge = i == 0 || i == width - 1 || y == 0 || y == height - 1 || (now[x] & k_mask_outside);
+            if (ground[x] > sea_ticks || (now[x] & (k_mask_sea | k_mask_outside))) return;
+            // The edge of the data: of the raster, or beside a cell that no file covers (the one below is seen on the
+            // way up).
+            const bool edge = i == 0 || i == width - 1 || y == 0 || y == height - 1 ||
+                              ((now[x - 1] | now[x + 1] | before[x]) & k_mask_outside);
             if (!edge && !beside && !(before[x] & k_mask_sea)) return;
             now[x] = static_cast<DemMask>(now[x] | k_mask_sea);
             changed = true;
@@ -45,6 +48,10 @@ Result<bool> flood_once(const ScratchRaster<int32_t>& ticks, ScratchRaster<DemMa
 }
 
 } // namespace
+
+float sea_bed_depth_m(float offshore_m, double shelf_m) {
+    return std::min(static_cast<float>(shelf_m), 0.1f * det::pow(offshore_m, 2.0f / 3.0f));
+}
 
 Result<DemSea> flood_sea(ScratchRaster<int32_t>& ticks, ScratchRaster<DemMask>& mask, int32_t sea_ticks, double shelf_m,
                          double cell_m, const std::filesystem::path& scratch) {
@@ -62,7 +69,7 @@ Result<DemSea> flood_sea(ScratchRaster<int32_t>& ticks, ScratchRaster<DemMask>& 
         SAHEL_TRY(ticks.read_row(y, ground.data()));
         SAHEL_TRY(mask.read_row(y, bits.data()));
         for (size_t x = 0; x < width; ++x) {
-            if (!(bits[x] & k_mask_sea) || (bits[x] & k_mask_outside)) continue;
+            if (!(bits[x] & k_mask_sea)) continue;
             ++sea.cells;
             if (bits[x] & k_mask_filled) continue;
             ++surveyed;
@@ -71,8 +78,9 @@ Result<DemSea> flood_sea(ScratchRaster<int32_t>& ticks, ScratchRaster<DemMask>& 
     }
     if (2 * flat <= surveyed) return sea;
     sea.made_up_bed = true;
-    SAHEL_ASSIGN(const auto shore, distance_to(
-                                       mask, [](DemMask m) { return (m & k_mask_sea) == 0; }, scratch));
+    SAHEL_ASSIGN(const auto shore,
+                 distance_to(
+                     mask, [](DemMask m) { return (m & (k_mask_sea | k_mask_outside)) == 0; }, scratch));
     std::vector<float> distance(width);
     for (int64_t y = 0; y < mask.height(); ++y) {
         SAHEL_TRY(ticks.read_row(y, ground.data()));
@@ -82,10 +90,7 @@ Result<DemSea> flood_sea(ScratchRaster<int32_t>& ticks, ScratchRaster<DemMask>& 
             if (!(bits[x] & k_mask_sea)) continue;
             const float offshore_m =
                 (distance[x] - 0.5f) * static_cast<float>(cell_m); // the shore runs between two cells
-            const float depth_m = std::min(static_cast<float>(shelf_m), 0.1f * det::pow(offshore_m, 2.0f / 3.0f));
-            const int32_t bed = sea_ticks - ticks_of_metres(depth_m);
-            // Beyond the files the ground falls to the plain around them: the lower of the two joins both.
-            ground[x] = (bits[x] & k_mask_outside) ? std::min(ground[x], bed) : bed;
+            ground[x] = sea_ticks - ticks_of_metres(sea_bed_depth_m(offshore_m, shelf_m));
         }
         SAHEL_TRY(ticks.write_row(y, ground.data()));
     }

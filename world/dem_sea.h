@@ -22,7 +22,10 @@ struct DemSea {
     bool made_up_bed = false;
 };
 
-/// Sets k_mask_sea, and lowers `ticks` to the made-up bed. Errors: io.
+/// Depth of a made-up bed at a distance from the shore, m.
+float sea_bed_depth_m(float offshore_m, double shelf_m);
+
+/// Sets k_mask_sea inside the files, and lowers `ticks` there to the made-up bed. Errors: io.
 Result<DemSea> flood_sea(ScratchRaster<int32_t>& ticks, ScratchRaster<DemMask>& mask, int32_t sea_ticks, double shelf_m,
                          double cell_m, const std::filesystem::path& scratch);
 

@@ -355,6 +355,29 @@ TEST(DemImport, SkirtRunsFromTheRimToThePlain) {
     for (int x = -64; x < 0; ++x) EXPECT_LT(std::abs(w.sink.surface_m(x, 40) - w.sink.surface_m(x + 1, 40)), 8.0);
 }
 
+TEST(DemImport, SeaGoesOnBeyondTheData) {
+    const TempFolder t;
+    // Mountains in the east would dam the sea in the west, if the skirt were drawn from the rim alone.
+    const auto f = [](int x, int) { return x < 70 ? 0.0 : 25.0 * (x - 69); };
+    write_gdal(t / "a.tif", "GTiff", "Float32", Grid{140, 140, f}, {.cell_x = 50.0, .cell_y = -50.0});
+    DemImportOptions options = plain_options();
+    options.sea_m = 0.0;
+    options.edge_cells = 64;
+    const Imported w = import_files({t / "a.tif"}, options);
+    ASSERT_TRUE(w.report.ok()) << w.report.error().message;
+    EXPECT_EQ(w.report.value().sea_cells, 70 * 140);
+    for (int i = 0; i < 64; ++i) {
+        ASSERT_EQ(w.sink.mask(-1 - i, 70), k_mask_outside | k_mask_sea) << i;
+        ASSERT_EQ(w.sink.mask(20, 140 + i), k_mask_outside | k_mask_sea) << i;
+        ASSERT_EQ(w.sink.surface_ticks(20, 140 + i) + w.sink.ticks(Layer::water, 20, 140 + i), 0);
+    }
+    EXPECT_NEAR(w.sink.surface_m(20, 140), w.sink.surface_m(20, 139), 1.0) << "the bed goes on without a step";
+    EXPECT_NEAR(w.sink.surface_m(-1, 70), w.sink.surface_m(0, 70), 1.0);
+    EXPECT_EQ(w.sink.mask(141, 70), k_mask_outside) << "mountains end on land";
+    EXPECT_EQ(w.sink.surface_ticks(-100, 70), ticks(w.sink.desc.outside_m));
+    EXPECT_EQ(w.sink.surface_ticks(-100, 70) + w.sink.ticks(Layer::water, -100, 70), 0);
+}
+
 TEST(DemImport, GroundIsRockWhereSteepAndSoilWhereFlat) {
     const TempFolder t;
     // A flat valley floor between walls of slope 2.
