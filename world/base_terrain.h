@@ -74,6 +74,8 @@ template <> inline constexpr auto fields_of<BaseTerrainParams> = std::tuple{
 // clang-format on
 static_assert(covers_every_member<BaseTerrainParams>);
 
+inline constexpr int32_t k_max_terrain_level = 20;
+
 /// oasis, dunes, canyon, mountains, islands, wetland.
 std::span<const std::string_view> base_terrain_presets();
 /// Error: usage, with the list of names.
@@ -89,7 +91,8 @@ class BaseTerrain final : public SurfaceSource {
     ~BaseTerrain() override;
 
     /// Fills bedrock, soil, sand, water (ticks) and the region weights, whichever the block has; other layers become 0.
-    /// Levels 0 to 20; any rectangle; the same bits for any rectangle, tile size, order, thread and instruction set.
+    /// Levels 0 to 20; any rectangle, host or CUDA memory; the same bits for any rectangle, tile size, order, thread,
+    /// instruction set and device.
     Status read(LayerBlock& block) const override;
     [[nodiscard]] double cell_m() const override;
 

@@ -2,7 +2,9 @@
 
 #include "world/check.h"
 
+#include <array>
 #include <cmath>
+#include <numeric>
 
 namespace sahel {
 
@@ -22,15 +24,32 @@ Lattice make_lattice(int32_t a, int32_t b, int32_t m, uint32_t salt) {
 }
 
 Lattice make_lattice(uint64_t seed, uint32_t id, float wanted_m) {
-    constexpr int32_t k_rotations[10][2] = {{4, 3}, {12, 5}, {7, 4}, {5, 2},  {8, 1},
-                                            {9, 7}, {11, 3}, {7, 6}, {13, 8}, {6, 1}};
-    const int32_t a = k_rotations[id % 10][0];
-    const int32_t b = (id / 10) % 2 == 0 ? k_rotations[id % 10][1] : -k_rotations[id % 10][1];
-    // m = round(log2(2 wanted length)), by comparing with powers of two times sqrt(2): no libm, no machine's rounding.
-    const double target = 2.0 * static_cast<double>(wanted_m) * std::sqrt(static_cast<double>(a * a + b * b));
-    int32_t m = 4;
-    while (m < 24 && target > static_cast<double>(int64_t{1} << m) * 1.4142135623730951) ++m;
-    return make_lattice(a, b, m, noise_salt(seed, id));
+    // Of all rotations whose lattice comes out within 3 % of the wanted size one is taken by the number, so that
+    // octaves of near sizes are turned against each other. Only products and comparisons of doubles: the same
+    // everywhere.
+    constexpr int32_t k_largest = 16;
+    constexpr double k_near = 1.03;
+    struct Choice {
+        int32_t a, b, m;
+    };
+    std::array<Choice, k_largest * k_largest> choices{};
+    uint32_t count = 0;
+    const double wanted = static_cast<double>(wanted_m);
+    for (int32_t a = 3; a <= k_largest; ++a)
+        for (int32_t b = 1; b < a; ++b) {
+            const bool turned = 8 * b >= a && 10 * b <= 9 * a; // not along the axes or the diagonals
+            if (!turned || std::gcd(a, b) != 1) continue;
+            for (int32_t m = 4; m <= 24; ++m) {
+                // size^2 = 4^m / (4 (a^2 + b^2))
+                const double square =
+                    static_cast<double>(int64_t{1} << (2 * m - 2)) / static_cast<double>(a * a + b * b);
+                if (square <= wanted * wanted * (k_near * k_near) && square * (k_near * k_near) >= wanted * wanted)
+                    choices[count++] = {a, b, m};
+            }
+        }
+    SAHEL_CHECK_LT(0u, count); // sizes from 1 m to 500 km
+    const Choice& c = choices[(id * 7u) % count];
+    return make_lattice(c.a, (id / 10) % 2 == 0 ? c.b : -c.b, c.m, noise_salt(seed, id));
 }
 
 } // namespace sahel

@@ -262,8 +262,7 @@ SAHEL_HD Phasor phasor_at(const LatticeRow& r, const LatticePoint& p, float a, f
             w00 * sin_turns(t00) + w10 * sin_turns(t10) + w01 * sin_turns(t01) + w11 * sin_turns(t11)};
 }
 
-/// Lattice number `id` of a seed with a cell side near `wanted_m` (within a factor of 1.4: powers of two times the
-/// lengths of ten rotations). Host only.
+/// Lattice number `id` of a seed with a cell side within 3 % of `wanted_m`, 1 m to 500 km. Host only.
 Lattice make_lattice(uint64_t seed, uint32_t id, float wanted_m);
 /// The same with (a, b, m) given.
 Lattice make_lattice(int32_t a, int32_t b, int32_t m, uint32_t salt);

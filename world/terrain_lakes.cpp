@@ -1,7 +1,6 @@
 #include "world/terrain_lakes.h"
 
-#include "world/terrain_rows.h"
-#include "world/tile_key.h"
+#include "world/terrain_layout.h"
 
 #include <algorithm>
 #include <array>
@@ -15,6 +14,9 @@ namespace {
 constexpr int64_t k_lattice = 2 * k_lake_lattice_m; // half metres
 constexpr float k_largest_range_m = 48.0f;          // of the ground under and around a lake
 constexpr float k_smallest_radius_m = 90.0f;
+
+/// Beyond this level lakes are smaller than a cell.
+constexpr int32_t k_last_lake_level = 8;
 
 struct RawSite {
     uint32_t hash;
@@ -35,17 +37,16 @@ std::optional<RawSite> raw_site(const TerrainTables& t, int64_t i, int64_t j) {
 struct Land {
     float relief, canyon, continent, height;
 };
-Land land_at(const TerrainTables& t, int64_t x, int64_t y) {
-    std::array<float, 18> v{};
-    const NodeRows rows{&v[0], &v[1], &v[2], &v[3], &v[4], &v[5], &v[6], &v[7], &v[8], &v[9]};
-    NodeScratch scratch{};
-    for (int i = 0; i < 8; ++i) scratch.v[i] = &v[static_cast<size_t>(10 + i)];
-    const SampleRow row{x, y, 32, 0};
-    SAHEL_ISA_CALL(terrain_height_row, t, row, 1, 16.0f, rows, scratch);
-    return {v[2], v[7], v[4], v[9]};
+Land land_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t x, int64_t y) {
+    std::array<float, 5 + k_node_fields + k_row_scratch> v{};
+    BaseRow row{&v[0], &v[1], &v[2], &v[3], &v[4], {}, {}};
+    for (int f = 0; f < k_node_fields; ++f) row.field[f] = &v[static_cast<size_t>(5 + f)];
+    for (int i = 0; i < k_row_scratch; ++i) row.scratch[i] = &v[static_cast<size_t>(5 + k_node_fields + i)];
+    kernels.base(t, SampleRow{x, y, 32, 0}, 1, 16.0f, row);
+    return {*row.relief, *row.field[static_cast<int>(NodeField::canyon)], *row.continent, *row.height};
 }
 
-std::optional<LakeSite> lake_at(const TerrainTables& t, int64_t i, int64_t j) {
+std::optional<LakeSite> lake_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t i, int64_t j) {
     const auto raw = raw_site(t, i, j);
     if (!raw) return std::nullopt;
     float radius = t.p.lake_radius_m * (0.55f + 0.9f * static_cast<float>(lowbias32(raw->hash)) / 4294967296.0f);
@@ -59,7 +60,7 @@ std::optional<LakeSite> lake_at(const TerrainTables& t, int64_t i, int64_t j) {
             radius = std::min(radius, 0.34f * std::sqrt(dx * dx + dy * dy));
         }
     if (radius < k_smallest_radius_m) return std::nullopt;
-    const Land centre = land_at(t, raw->x, raw->y);
+    const Land centre = land_at(t, kernels, raw->x, raw->y);
     if (centre.relief < t.p.lake_relief_min || centre.relief > t.p.lake_relief_max || centre.canyon > 0.3f)
         return std::nullopt;
     if (t.p.sea != 0 && centre.continent < 0.12f) return std::nullopt;
@@ -68,7 +69,7 @@ std::optional<LakeSite> lake_at(const TerrainTables& t, int64_t i, int64_t j) {
     const auto off = static_cast<int64_t>(radius * 3.2f);
     for (const auto& [dx, dy] :
          {std::pair{off, int64_t{0}}, {-off, int64_t{0}}, {int64_t{0}, off}, {int64_t{0}, -off}}) {
-        const float h = land_at(t, raw->x + dx, raw->y + dy).height;
+        const float h = land_at(t, kernels, raw->x + dx, raw->y + dy).height;
         low = std::min(low, h);
         high = std::max(high, h);
     }
@@ -78,16 +79,27 @@ std::optional<LakeSite> lake_at(const TerrainTables& t, int64_t i, int64_t j) {
 
 } // namespace
 
-void find_lakes(const TerrainTables& t, int64_t x0, int64_t y0, int64_t x1, int64_t y1, std::vector<LakeSite>& lakes) {
+void find_lakes(const TerrainTables& t, const TerrainKernels& kernels, int64_t x0, int64_t y0, int64_t x1, int64_t y1,
+                std::vector<LakeSite>& lakes) {
     lakes.clear();
     if (t.p.lake_probability <= 0.0f) return;
-    // A lake reaches 2.2 radii, times 1.8 where the noise draws its shape in; radii are at most 1.45 lake_radius_m.
-    const auto reach = static_cast<int64_t>(2.0f * 4.0f * 1.45f * t.p.lake_radius_m) + 1;
+    // A lake reaches 3 radii (k_no_lake); radii are at most 1.45 lake_radius_m.
+    const auto reach = static_cast<int64_t>(2.0f * k_no_lake * 1.45f * t.p.lake_radius_m) + 1;
     const int64_t i0 = floor_div(x0 - reach, k_lattice), i1 = floor_div(x1 + reach, k_lattice);
     const int64_t j0 = floor_div(y0 - reach, k_lattice), j1 = floor_div(y1 + reach, k_lattice);
     for (int64_t j = j0; j <= j1; ++j)
         for (int64_t i = i0; i <= i1; ++i)
-            if (const auto lake = lake_at(t, i, j)) lakes.push_back(*lake);
+            if (const auto lake = lake_at(t, kernels, i, j)) lakes.push_back(*lake);
+}
+
+void find_lakes_near(const TerrainTables& t, const TerrainKernels& kernels, int32_t level, const CellRect& rect,
+                     std::vector<LakeSite>& lakes) {
+    lakes.clear();
+    if (level > k_last_lake_level) return;
+    const int64_t unit = int64_t{2} << level;
+    const int64_t margin = 5 * std::max(unit, int64_t{2 * k_node_spacing_m}); // nodes lie up to five spacings outside
+    find_lakes(t, kernels, rect.x0 * unit - margin, rect.y0 * unit - margin, rect.x1 * unit + margin,
+               rect.y1 * unit + margin, lakes);
 }
 
 } // namespace sahel

@@ -5,64 +5,75 @@
 
 #include <cstdint>
 
-/// Row kernels of the base terrain. Nodes carry the large scale, cells the fine one:
+/// Row kernels of the base terrain. Nodes carry the large scale, cells what is sharp or fine:
 ///
-///     node rows    climate -> weights -> massif -> height | lakes | gullies (needs the rows above and below) | carried
-///     spline       uniform cubic B-spline from nodes to cells (part of the function, hence independent of tiles)
-///     cell rows    strata, wadi, gullies, rock, hummocks | dunes | layers
+///     base      nodes   climate -> weights -> massif -> height of the land
+///     lakes     nodes
+///     detail    nodes   gullies (read the rows above and below) -> dune phases, lines, strata
+///     sharpen   nodes   makes the spline pass near the nodes' heights
+///     spline            uniform cubic B-spline (part of the function, hence independent of tiles)
+///     middle    every 4 m, or at cells where those are wider: wadi, rills, coarse rock, hummocks, amplitudes of dunes
+///     spline
+///     cells             fine rock, strata, dune profiles, layers
 ///
-/// All arrays are rows of floats; none may overlap.
+/// The same source runs on CUDA, where a row is one sample long. All arrays are rows of floats; none may overlap but
+/// where a comment says so.
 namespace sahel {
 
-/// One row of nodes while its height is made.
-struct NodeRows {
+inline constexpr int k_row_scratch = 7;
+
+/// A row of nodes.
+struct BaseRow {
     float *warp_x, *warp_y; ///< m
-    float *relief, *wetness, *continent;
-    float *mountain, *dune, *canyon, *wetland;
-    float* height; ///< m, before lakes and gullies
+    float *relief, *continent;
+    float* height; ///< m, before gullies
+    float* field[k_node_fields];
+    float* scratch[k_row_scratch];
 };
 
-struct NodeScratch {
-    float* v[8];
+/// Node fields at the samples of the middle pass; height is not read.
+struct MidRow {
+    const float* node[k_node_fields];
+    float* out[k_mid_fields];
+    float* scratch[k_row_scratch];
+    bool has_dune, has_canyon, has_lake; ///< the weight is not zero everywhere in the block
 };
 
-struct GullyRows {
-    const float *above, *here, *below; ///< heights of three node rows after lakes
-    const float *canyon, *dune, *lake;
-    float *height, *slope_x, *slope_y; ///< out
-};
-
-struct CarriedRows {
-    float *line0, *line1, *strata, *plain4, *supply;
-    float *dune_sin, *dune_cos, *mega_sin, *mega_cos;
-};
-
-/// Node fields of a row of cells, by NodeField; fields that no term of the tile needs are null.
-struct CellFields {
-    float* f[k_node_fields];
-};
-struct CellRows {
-    CellFields nodes;                  ///< height and slopes are updated in place
+/// A row of cells. Fields that no term of the block needs are null.
+struct CellRow {
+    const float* node[k_node_fields];
+    const float* mid[k_mid_fields];
     float *rock, *soil, *sand, *water; ///< out, m
-    float* scratch[8];
-    bool has_mountain, has_dune, has_canyon; ///< the weight is not zero at every node of the tile
+    float* scratch[k_row_scratch];
+    bool has_dune, has_canyon, has_lake;
 };
 
-SAHEL_ISA_DECLARE(void terrain_height_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
-                                          const NodeRows& out, const NodeScratch& scratch))
-SAHEL_ISA_DECLARE(void terrain_lake_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
-                                        const LakeSite* sites, int site_count, float* height, float* water_table,
-                                        float* lake, const NodeScratch& scratch))
-SAHEL_ISA_DECLARE(void terrain_gully_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
-                                         const GullyRows& rows, const NodeScratch& scratch))
-SAHEL_ISA_DECLARE(void terrain_carried_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
-                                           const float* warp_x, const float* warp_y, bool dunes, const CarriedRows& out,
-                                           const NodeScratch& scratch))
-/// `weights` are the four basis values of the row; `mixed` holds node_count floats. out[x] for x in [0, cells), the
-/// first cell being number `skip` of node interval 0.
-SAHEL_ISA_DECLARE(void terrain_spline_row(const float* const rows[4], const float weights[4], int node_count,
-                                          int cells_per_node, int skip, int cells, float* mixed, float* out))
-SAHEL_ISA_DECLARE(void terrain_cell_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
-                                        const CellRows& rows))
+struct TerrainKernels {
+    void (*base)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const BaseRow& out);
+    void (*lakes)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const LakeSite* sites,
+                  int site_count, const BaseRow& out);
+    /// `above` and `below` are heights of the neighbouring rows; reads heights at -1 and n.
+    void (*detail)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const float* above,
+                   const float* below, bool dunes, const BaseRow& out);
+    /// Reads `here` at -1 and n.
+    void (*sharpen)(const float* above, const float* here, const float* below, int n, float* out);
+    /// `weights` are the basis values of the row, `mixed` holds count + 3 floats. Writes count * per_interval samples:
+    /// number e of interval i lies (e + offset) / per_interval behind node i + 1.
+    void (*spline)(const float* const rows[4], const float weights[4], int count, int per_interval, float offset,
+                   float* mixed, float* out);
+    void (*middle)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const MidRow& rows);
+    void (*cells)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const CellRow& rows);
+    void (*ticks)(const float* metres, float stretch, int n, int32_t* ticks);
+};
+
+SAHEL_ISA_DECLARE(const TerrainKernels& terrain_kernels())
 
 } // namespace sahel
+
+/// Marks functions of the row headers. Those are included once per instruction set, inside its namespace, and once by
+/// the CUDA launcher.
+#if defined(__CUDACC__)
+#define SAHEL_ROW __device__ inline
+#else
+#define SAHEL_ROW inline
+#endif

@@ -5,9 +5,14 @@
 
 #include <cstdint>
 
-/// Everything the terrain kernels read, as plain data: parameters and the lattice of every octave. Names follow the
-/// stage that uses them.
+/// Everything the terrain kernels read, as plain data (a CUDA kernel takes it by value): parameters, and the lattice
+/// and the amplitude of every octave. Names follow the stage that uses them.
 namespace sahel {
+
+struct Octave {
+    Lattice lattice;
+    float amplitude = 1.0f;
+};
 
 struct TerrainTables {
     uint64_t seed = 1;
@@ -15,29 +20,20 @@ struct TerrainTables {
     float wind_x = 1.0f, wind_y = 0.0f; ///< unit vector, downwind
     uint32_t lake_salt = 0;
 
-    Lattice warp_x[2], warp_y[2];
-    Lattice relief[4], wet[3], continent[6], canyon[2], plain[5];
-    Lattice massif[7]; ///< 0..5 from coarse to fine, 6: the ridged base
-    Lattice line[2];   ///< zero lines: wadis and canyons, wetland channels
-    Lattice wind_turn;
+    Octave warp_x[2], warp_y[2];
+    Octave relief[4], wet[3], continent[6], canyon[2], plain[5];
+    Octave massif[6], massif_base; ///< from coarse to fine; the ridged base
+    Octave gully[5], fine_gully[2];
+    Octave rock[6], hummock[3];
+    Lattice canyon_line, channel_line; ///< zero lines: wadis and canyons, wetland channels
+    Lattice wind_turn, supply;
     Lattice dune, mega, small; ///< phasors of the three dune sizes
-    Lattice supply, dune_fine, dune_warp;
+    Lattice dune_fine, dune_warp;
     Lattice lake_shape[2];
-    Lattice gully[5], fine_gully[2];
-    Lattice rock[6];
-    Lattice strata;
-    Lattice hummock[3];
+    Lattice strata, tilt;
 };
+static_assert(sizeof(TerrainTables) < 4000, "kernel arguments hold 4 KiB");
 
-/// Amplitudes of the octaves (coarse to fine).
-inline constexpr float k_relief_amplitude[4] = {1.15f, 0.55f, 0.24f, 0.10f};
-inline constexpr float k_wet_amplitude[3] = {1.1f, 0.45f, 0.18f};
-inline constexpr float k_canyon_amplitude[2] = {1.0f, 0.4f};
-inline constexpr float k_continent_amplitude[6] = {0.55f, 0.55f, 0.65f, 0.50f, 0.26f, 0.12f};
-inline constexpr float k_plain_amplitude[5] = {1.0f, 0.5f, 0.24f, 0.11f, 0.05f};
-inline constexpr float k_massif_amplitude[6] = {0.60f, 0.34f, 0.10f, 0.05f, 0.025f, 0.012f};
-inline constexpr float k_gully_amplitude[5] = {0.12f, 0.12f, 0.11f, 0.10f, 0.09f};
-inline constexpr float k_fine_gully_amplitude[2] = {0.13f, 0.10f};
 inline constexpr float k_gully_wavelength = 0.62f; ///< of the lattice size
 inline constexpr float k_massif_slope_m = 1500.0f; ///< length that turns noise slopes into attenuation
 inline constexpr float k_dune_wavelength = 11.0f;  ///< of the dune height
@@ -45,31 +41,53 @@ inline constexpr float k_mega_wavelength = 12.5f;
 inline constexpr float k_small_dune_m = 26.0f; ///< wavelength of the smallest dunes
 inline constexpr float k_strata_m = 44.0f;     ///< a cliff and a ledge
 inline constexpr int64_t k_lake_lattice_m = 4096;
+inline constexpr float k_no_lake = 3.0f; ///< lake radii from its centre beyond which a lake changes nothing
 
-/// The fields evaluated at nodes and carried to cells by the spline.
+/// Fields evaluated at nodes. Those up to `lake_level` reach the cells by a spline of their own; the rest goes into the
+/// middle pass.
 enum class NodeField : int {
-    height,
-    slope_x,
+    height,  ///< m
+    slope_x, ///< of the height, per m
     slope_y,
-    mountain,
+    mountain, ///< weights
     dune,
     canyon,
     wetness,
-    dune_sin,
+    wetland,
+    dune_sin, ///< phasors of the dunes
     dune_cos,
     mega_sin,
     mega_cos,
-    line0,
-    line1,
-    water_table,
-    lake,
-    wetland,
-    supply,
-    strata,
-    plain4,
+    supply,     ///< noise
+    lake,       ///< distance from the lake's centre in radii, at most k_no_lake
+    lake_level, ///< m, where lake < k_no_lake
+    wadi,       ///< signed distance to the line of the wadi, m
+    channel,    ///< the same of a wetland channel
+    strata,     ///< shift of the strata, m
     count_
 };
 inline constexpr int k_node_fields = static_cast<int>(NodeField::count_);
+
+/// Fields of the middle pass.
+enum class MidField : int {
+    height, ///< m, to be added to the node's
+    slope,
+    rough, ///< weight of rock detail
+    soil,  ///< m
+    bed,   ///< sand in wadis, m
+    noise,
+    strata,      ///< weight of the ledges
+    mega,        ///< amplitudes of the dunes, 0 to 1
+    dune,        ///<
+    small,       ///< m
+    small_sin,   ///< phasor of the smallest
+    small_cos,   ///<
+    fine,        ///< noise on dunes, m
+    sand,        ///< m, sheet of sand under the dunes; negative where the ground is bare
+    sand_factor, ///< keeps sand off steep ground and out of lakes
+    count_
+};
+inline constexpr int k_mid_fields = static_cast<int>(MidField::count_);
 
 /// A lake: a pure function of its site, so that every tile that sees it agrees. World half metres and metres.
 struct LakeSite {

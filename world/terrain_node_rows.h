@@ -1,0 +1,356 @@
+#pragma once
+
+#include "world/terrain_rows.h"
+#include "world/terrain_shapes.h"
+
+/// The node passes of the base terrain, see terrain_rows.h.
+namespace sahel::SAHEL_ISA_NAMESPACE {
+
+SAHEL_ROW float* field_of(const BaseRow& row, NodeField f) {
+    return row.field[static_cast<int>(f)];
+}
+
+SAHEL_ROW void fill_row(int n, float value, float* __restrict out) {
+    for (int x = 0; x < n; ++x) out[x] = value;
+}
+
+/// Noise times its band weight.
+SAHEL_ROW void noise_row(const Lattice& lattice, const SampleRow& row, int n, float spacing_m, float* __restrict out) {
+    const float weight = band_weight(lattice.size_m, spacing_m);
+    if (weight <= 0.0f) {
+        fill_row(n, 0.0f, out);
+        return;
+    }
+    const LatticeRow r = lattice_row(lattice, row);
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x) out[x] = weight * noise_value(r, lattice_point(r, x));
+}
+
+/// sum += octaves at the warped place.
+template <int k_count>
+SAHEL_ROW void add_octaves(const Octave (&octaves)[k_count], float scale, const SampleRow& row, int n, float spacing_m,
+                           const float* __restrict wx, const float* __restrict wy, float* __restrict sum) {
+    for (int o = 0; o < k_count; ++o) {
+        const Octave& octave = octaves[o];
+        const float weight = band_weight(octave.lattice.size_m, spacing_m);
+        if (weight <= 0.0f) continue;
+        const float a = octave.amplitude * scale * weight;
+        const LatticeRow r = lattice_row(octave.lattice, row);
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) sum[x] += a * noise_value(r, lattice_point(r, x, wx[x], wy[x]));
+    }
+}
+
+/// Signed distance to the zero line of a noise, m.
+SAHEL_ROW void line_row(const Lattice& lattice, const SampleRow& row, int n, float spacing_m,
+                        const float* __restrict wx, const float* __restrict wy, float floor_slope, float limit_m,
+                        float* __restrict out) {
+    if (lattice.size_m < spacing_m) {
+        fill_row(n, limit_m, out);
+        return;
+    }
+    const LatticeRow r = lattice_row(lattice, row);
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x) {
+        const NoiseGradient g = noise_gradient(r, lattice_point(r, x, wx[x], wy[x]));
+        out[x] = zero_line_distance(g.value, g.dx, g.dy, floor_slope, limit_m);
+    }
+}
+
+SAHEL_ROW void warp_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const BaseRow& out) {
+    float* __restrict wx = out.warp_x;
+    float* __restrict wy = out.warp_y;
+    fill_row(n, 0.0f, wx);
+    fill_row(n, 0.0f, wy);
+    for (int o = 0; o < 2; ++o) {
+        const float weight_x = band_weight(t.warp_x[o].lattice.size_m, spacing_m) * t.warp_x[o].amplitude;
+        const float weight_y = band_weight(t.warp_y[o].lattice.size_m, spacing_m) * t.warp_y[o].amplitude;
+        if (weight_x <= 0.0f || weight_y <= 0.0f) continue;
+        const LatticeRow rx = lattice_row(t.warp_x[o].lattice, row);
+        const LatticeRow ry = lattice_row(t.warp_y[o].lattice, row);
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) wx[x] += weight_x * noise_value(rx, lattice_point(rx, x));
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) wy[x] += weight_y * noise_value(ry, lattice_point(ry, x));
+    }
+}
+
+SAHEL_ROW void massif_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
+                          const float* __restrict wx, const float* __restrict wy, float* __restrict height,
+                          float* __restrict slope_x, float* __restrict slope_y) {
+    fill_row(n, 0.0f, height);
+    fill_row(n, 0.0f, slope_x);
+    fill_row(n, 0.0f, slope_y);
+    const float base = band_weight(t.massif_base.lattice.size_m, spacing_m) * t.massif_base.amplitude;
+    if (base > 0.0f) {
+        const LatticeRow r = lattice_row(t.massif_base.lattice, row);
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) {
+            const NoiseGradient g = noise_gradient(r, lattice_point(r, x, wx[x], wy[x]));
+            Massif m{height[x], slope_x[x], slope_y[x]};
+            massif_base(base, g.value, g.dx, g.dy, m);
+            height[x] = m.height;
+            slope_x[x] = m.slope_x;
+            slope_y[x] = m.slope_y;
+        }
+    }
+    for (int o = 0; o < 6; ++o) {
+        const float weight = band_weight(t.massif[o].lattice.size_m, spacing_m);
+        if (weight <= 0.0f) continue;
+        const float a = t.massif[o].amplitude * weight;
+        const LatticeRow r = lattice_row(t.massif[o].lattice, row);
+        if (o < 2) {
+            SAHEL_VECTORIZE
+            for (int x = 0; x < n; ++x) {
+                const NoiseGradient g = noise_gradient(r, lattice_point(r, x, wx[x], wy[x]));
+                Massif m{height[x], slope_x[x], slope_y[x]};
+                massif_ridged_octave(a, g.value, g.dx, g.dy, m);
+                height[x] = m.height;
+                slope_x[x] = m.slope_x;
+                slope_y[x] = m.slope_y;
+            }
+        } else {
+            SAHEL_VECTORIZE
+            for (int x = 0; x < n; ++x) {
+                const NoiseGradient g = noise_gradient(r, lattice_point(r, x, wx[x], wy[x]));
+                Massif m{height[x], slope_x[x], slope_y[x]};
+                massif_octave(a, g.value, g.dx, g.dy, m);
+                height[x] = m.height;
+                slope_x[x] = m.slope_x;
+                slope_y[x] = m.slope_y;
+            }
+        }
+    }
+}
+
+SAHEL_ROW void base_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const BaseRow& out) {
+    warp_row(t, row, n, spacing_m, out);
+    const float* __restrict wx = out.warp_x;
+    const float* __restrict wy = out.warp_y;
+    float* __restrict relief = out.relief;
+    float* __restrict wetness = field_of(out, NodeField::wetness);
+    float* __restrict continent = out.continent;
+    float* __restrict canyon = field_of(out, NodeField::canyon);
+    fill_row(n, t.p.relief_bias, relief);
+    fill_row(n, t.p.wetness_bias, wetness);
+    fill_row(n, t.p.continent_bias, continent);
+    fill_row(n, t.p.canyon_bias, canyon);
+    add_octaves(t.relief, t.p.relief_scale, row, n, spacing_m, wx, wy, relief);
+    add_octaves(t.wet, t.p.wetness_scale, row, n, spacing_m, wx, wy, wetness);
+    if (t.p.sea != 0) add_octaves(t.continent, t.p.continent_scale, row, n, spacing_m, wx, wy, continent);
+    const bool has_canyon = t.p.canyon_m > 0.0f && t.p.sea == 0;
+    if (has_canyon) add_octaves(t.canyon, 1.0f, row, n, spacing_m, wx, wy, canyon);
+
+    float* __restrict mountain = field_of(out, NodeField::mountain);
+    float* __restrict dune = field_of(out, NodeField::dune);
+    float* __restrict wetland = field_of(out, NodeField::wetland);
+    const float canyon_on = has_canyon ? 1.0f : 0.0f;
+    const float dune_on = t.p.dune_m > 0.0f ? 1.0f : 0.0f;
+    const float wetland_on = t.p.wetland;
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x) {
+        const float m = sstep(0.10f, 0.55f, relief[x]);
+        const float k = sstep(-0.1f, 0.25f, canyon[x]) * (1.0f - m) * canyon_on;
+        const float d =
+            sstep(-0.02f, -0.26f, relief[x]) * (1.0f - sstep(0.05f, 0.40f, wetness[x])) * dune_on * (1.0f - k);
+        mountain[x] = m;
+        canyon[x] = k;
+        dune[x] = d;
+        wetland[x] = wetland_on * (1.0f - m) * (1.0f - d);
+    }
+
+    float* __restrict h = out.height;
+    fill_row(n, 0.0f, h);
+    add_octaves(t.plain, t.p.plain_m, row, n, spacing_m, wx, wy, h);
+    float* __restrict massif = out.scratch[0];
+    float* __restrict line = out.scratch[1];
+    int32_t any_mountain = 0; // the massif is multiplied by the weight, so a row without it needs none
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x) any_mountain |= mountain[x] > 0.0f ? 1 : 0;
+    if (any_mountain != 0)
+        massif_row(t, row, n, spacing_m, wx, wy, massif, out.scratch[2], out.scratch[3]);
+    else
+        fill_row(n, 0.0f, massif);
+    if (has_canyon)
+        line_row(t.canyon_line, row, n, spacing_m, wx, wy, 4e-5f, 3000.0f, line);
+    else
+        fill_row(n, 3000.0f, line);
+
+    const BaseTerrainParams& p = t.p;
+    const auto sample = [&](int x) {
+        return LandSample{h[x], relief[x], mountain[x], dune[x], canyon[x], continent[x], massif[x], line[x]};
+    };
+    if (p.sea == 0) {
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) h[x] = inland_height(p, sample(x));
+    } else if (p.wetland <= 0.0f) {
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) h[x] = island_height(p, sample(x));
+    } else {
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) h[x] = wetland_height(p, sample(x));
+    }
+}
+
+SAHEL_ROW void lake_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const LakeSite* sites,
+                        int site_count, const BaseRow& out) {
+    float* __restrict lake = field_of(out, NodeField::lake);
+    float* __restrict level = field_of(out, NodeField::lake_level);
+    float* __restrict h = out.height;
+    fill_row(n, k_no_lake, lake);
+    fill_row(n, 0.0f, level);
+    float* __restrict coarse = out.scratch[0];
+    float* __restrict fine = out.scratch[1];
+    bool ready = false;
+    for (int i = 0; i < site_count; ++i) {
+        const LakeSite site = sites[i];
+        const float dy = static_cast<float>(row.y - site.y_half_m) * 0.5f;
+        if (abs1(dy) >= site.radius_m * k_no_lake) continue;
+        if (!ready) {
+            noise_row(t.lake_shape[0], row, n, spacing_m, coarse);
+            noise_row(t.lake_shape[1], row, n, spacing_m, fine);
+            ready = true;
+        }
+        const float x0 = static_cast<float>(row.x0 - site.x_half_m) * 0.5f;
+        const float step = static_cast<float>(row.step) * 0.5f;
+        const float sea_level = t.p.sea != 0 ? 0.0f : -1e9f;
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) {
+            float height = h[x], r = lake[x], z = level[x];
+            lake_shape(site, x0 + step * static_cast<float>(x), dy, coarse[x], fine[x], height, r, z);
+            h[x] = height;
+            lake[x] = r;
+            level[x] = max2(z, sea_level);
+        }
+    }
+}
+
+SAHEL_ROW void gully_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const float* above,
+                         const float* below, const BaseRow& out) {
+    const float* __restrict north = above;
+    const float* __restrict here = out.height;
+    const float* __restrict south = below;
+    float* __restrict h = field_of(out, NodeField::height);
+    float* __restrict gx = field_of(out, NodeField::slope_x);
+    float* __restrict gy = field_of(out, NodeField::slope_y);
+    const float span = 2.0f * spacing_m;
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x) {
+        gx[x] = (here[x + 1] - here[x - 1]) / span;
+        gy[x] = (south[x] - north[x]) / span;
+        h[x] = here[x];
+    }
+    if (t.p.gully <= 0.0f) return;
+    const float* __restrict canyon = field_of(out, NodeField::canyon);
+    const float* __restrict dune = field_of(out, NodeField::dune);
+    const float* __restrict lake = field_of(out, NodeField::lake);
+    int32_t any = 0; // rows of flats and dunes have none
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x) any |= sqrt1(gx[x] * gx[x] + gy[x] * gy[x]) > k_gully_slope && dune[x] < 1.0f ? 1 : 0;
+    if (any == 0) return;
+    float* __restrict c = out.scratch[0];
+    float* __restrict s = out.scratch[1];
+    for (int o = 0; o < 5; ++o) {
+        const Lattice& lattice = t.gully[o].lattice;
+        const float wavelength = lattice.size_m * k_gully_wavelength;
+        const float weight = band_weight(wavelength * 0.8f, spacing_m);
+        if (weight <= 0.0f) continue;
+        const LatticeRow r = lattice_row(lattice, row);
+        const auto a = static_cast<float>(lattice.a), b = static_cast<float>(lattice.b);
+        const float scale = phasor_scale(lattice, wavelength);
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) {
+            const Slope across = stripe_direction(gx[x], gy[x]);
+            const Phasor p = phasor_at(r, lattice_point(r, x), a, b, across.x, across.y, scale, 0.0f);
+            c[x] = p.c;
+            s[x] = p.s;
+        }
+        const float amplitude = weight * t.p.gully * t.gully[o].amplitude * wavelength;
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) {
+            float height = h[x], slope_x = gx[x], slope_y = gy[x];
+            carve_gully(amplitude, wavelength, Phasor{c[x], s[x]}, canyon[x], dune[x], lake_mask(lake[x]), height,
+                        slope_x, slope_y);
+            h[x] = height;
+            gx[x] = slope_x;
+            gy[x] = slope_y;
+        }
+    }
+}
+
+SAHEL_ROW void dune_phase_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
+                              const BaseRow& out) {
+    noise_row(t.supply, row, n, spacing_m, field_of(out, NodeField::supply));
+    float* __restrict wave = out.scratch[0];
+    float* __restrict wide = out.scratch[1];
+    float* __restrict sx = out.scratch[2];
+    float* __restrict sy = out.scratch[3];
+    float* __restrict turn = out.scratch[4];
+    noise_row(t.wind_turn, row, n, spacing_m, turn);
+    noise_row(t.dune_warp, row, n, spacing_m, wave);
+    noise_row(t.lake_shape[0], row, n, spacing_m, wide);
+    const float wind_x = t.wind_x, wind_y = t.wind_y;
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x) {
+        const float turned = 0.55f * turn[x];
+        const float ux = wind_x - wind_y * turned, uy = wind_y + wind_x * turned;
+        const float il = 1.0f / sqrt1(ux * ux + uy * uy);
+        sx[x] = ux * il;
+        sy[x] = uy * il;
+    }
+    const auto phases = [&](const Lattice& lattice, float wavelength_m, float wave_m, float wide_m, float jitter,
+                            float* __restrict sin_out, float* __restrict cos_out) {
+        const LatticeRow r = lattice_row(lattice, row);
+        const auto a = static_cast<float>(lattice.a), b = static_cast<float>(lattice.b);
+        const float scale = phasor_scale(lattice, wavelength_m);
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) {
+            const float shift = wave_m * wave[x] + wide_m * wide[x];
+            const Phasor p =
+                phasor_at(r, lattice_point(r, x, shift * sx[x], shift * sy[x]), a, b, sx[x], sy[x], scale, jitter);
+            cos_out[x] = p.c;
+            sin_out[x] = p.s;
+        }
+    };
+    const auto phases_or_none = [&](const Lattice& lattice, bool on, float wavelength_m, float wide_m, float jitter,
+                                    NodeField sin_field, NodeField cos_field) {
+        if (on && band_weight(lattice.size_m, spacing_m) > 0.0f) {
+            phases(lattice, wavelength_m, 26.0f, wide_m, jitter, field_of(out, sin_field), field_of(out, cos_field));
+        } else {
+            fill_row(n, 0.0f, field_of(out, sin_field));
+            fill_row(n, 0.0f, field_of(out, cos_field));
+        }
+    };
+    phases_or_none(t.dune, true, t.p.dune_m * k_dune_wavelength, 0.0f, 0.30f, NodeField::dune_sin, NodeField::dune_cos);
+    phases_or_none(t.mega, t.p.mega_dune_m > 0.0f, t.p.mega_dune_m * k_mega_wavelength, 190.0f, 0.45f,
+                   NodeField::mega_sin, NodeField::mega_cos);
+}
+
+SAHEL_ROW void detail_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const float* above,
+                          const float* below, bool dunes, const BaseRow& out) {
+    gully_row(t, row, n, spacing_m, above, below, out);
+    float* __restrict strata = field_of(out, NodeField::strata);
+    float* __restrict wadi = field_of(out, NodeField::wadi);
+    if (t.p.wadi_m > 0.0f || t.p.canyon_m > 0.0f) noise_row(t.strata, row, n, spacing_m, strata);
+    if (t.p.wadi_m > 0.0f) {
+        line_row(t.canyon_line, row, n, spacing_m, out.warp_x, out.warp_y, 4e-5f, 3000.0f, wadi);
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) wadi[x] += 72.0f * strata[x];
+    } else {
+        fill_row(n, 3000.0f, wadi);
+    }
+    if (t.p.canyon_m > 0.0f) {
+        float* __restrict tilt = out.scratch[0];
+        float* __restrict fold = out.scratch[1];
+        noise_row(t.tilt, row, n, spacing_m, tilt);
+        noise_row(t.plain[4].lattice, row, n, spacing_m, fold);
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) strata[x] = 18.0f * strata[x] + 2.0f * fold[x] + 110.0f * tilt[x];
+    }
+    if (t.p.wetland > 0.0f)
+        line_row(t.channel_line, row, n, spacing_m, out.warp_x, out.warp_y, 1.2e-4f, 1500.0f,
+                 field_of(out, NodeField::channel));
+    if (dunes) dune_phase_row(t, row, n, spacing_m, out);
+}
+
+} // namespace sahel::SAHEL_ISA_NAMESPACE
