@@ -1,8 +1,13 @@
 #include "streaming/selection.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sahel {
+
+namespace {
+constexpr HeightRange k_unknown_heights{-16384.0f, 16384.0f}; // what ticks can hold
+}
 
 bool goes_before(const Want& a, const Want& b) {
     if (a.group != b.group) return a.group < b.group;
@@ -12,21 +17,24 @@ bool goes_before(const Want& a, const Want& b) {
 }
 
 GroundSquare Selector::square(TileKey key, HeightRange heights) const {
-    const double side = std::ldexp(static_cast<double>(settings_.view_cells) * cell_m_, key.level);
+    const double side = side_m(key.level);
     return {static_cast<double>(key.x) * side, static_cast<double>(key.y) * side, side,
             static_cast<double>(heights.low), static_cast<double>(heights.high)};
-}
-
-TileKey Selector::root_of(const ViewState& view) const {
-    const double side = std::ldexp(static_cast<double>(settings_.view_cells) * cell_m_, settings_.root_level);
-    return {settings_.root_level, static_cast<int64_t>(std::floor(view.eye_m[0] / side)),
-            static_cast<int64_t>(std::floor(view.eye_m[1] / side))};
 }
 
 bool Selector::wants_child(const ViewState& view, TileKey key, int quadrant) const {
     if (key.level == 0) return false;
     const GroundSquare q = square(key.child(quadrant), {0.0f, 0.0f});
     return lod_distance_m(view, q) < static_cast<double>(settings_.lod_factor) * q.side;
+}
+
+HeightRange Selector::quadrant_heights(const NodePool& pool, HeightRange tile, double tile_side_m,
+                                       uint32_t child_slot) {
+    const float margin = 1.0f + 0.01f * static_cast<float>(tile_side_m);
+    HeightRange range{tile.low - margin, tile.high + margin};
+    if (pool.is_resident(child_slot))
+        range = {std::min(range.low, pool.low_m[child_slot]), std::max(range.high, pool.high_m[child_slot])};
+    return range;
 }
 
 struct Selector::Walk {
@@ -37,37 +45,29 @@ struct Selector::Walk {
     bool prefetch;
     std::vector<Want>& wants;
 
-    void visit(TileKey key, HeightRange heights, bool visible, bool root) {
-        if (const uint32_t slot = pool.find(key); slot != k_no_slot && pool.state[slot] == NodeState::resident)
-            heights = {pool.low_m[slot], pool.high_m[slot]};
+    void visit(TileKey key, uint32_t slot, HeightRange heights, bool visible, bool root) {
+        if (pool.is_resident(slot)) heights = {pool.low_m[slot], pool.high_m[slot]};
         const GroundSquare tile = selector.square(key, heights);
         const auto cost = static_cast<float>(lod_distance_m(view, tile) / tile.side);
         const WantGroup group = prefetch  ? WantGroup::prefetch
                                 : root    ? WantGroup::urgent
                                 : visible ? WantGroup::visible
                                           : WantGroup::around;
-        wants.push_back({group, cost, key});
-        if (key.level == 0) return;
-        // A child may rise a little above what its parent's coarser lattice shows.
-        const float margin = 1.0f + 0.01f * static_cast<float>(tile.side);
-        const HeightRange wider{heights.low - margin, heights.high + margin};
+        wants.push_back({group, cost, key, slot});
         for (int q = 0; q < 4; ++q) {
             if (!selector.wants_child(view, key, q)) continue;
             const TileKey child = key.child(q);
-            visit(child, wider, visible && frustum.may_see(selector.square(child, wider)), false);
+            const uint32_t child_slot = pool.find(child);
+            const HeightRange range = quadrant_heights(pool, heights, tile.side, child_slot);
+            visit(child, child_slot, range, visible && !prefetch && frustum.may_see(selector.square(child, range)),
+                  false);
         }
     }
 };
 
 void Selector::collect(const ViewState& view, const NodePool& pool, bool prefetch, std::vector<Want>& wants) const {
     Walk walk{*this, view, pool, Frustum(view), prefetch, wants};
-    const TileKey centre = root_of(view);
-    const HeightRange unknown{-500.0f, 9000.0f};
-    for (int64_t dy = -settings_.root_radius; dy <= settings_.root_radius; ++dy)
-        for (int64_t dx = -settings_.root_radius; dx <= settings_.root_radius; ++dx) {
-            const TileKey root{centre.level, centre.x + dx, centre.y + dy};
-            walk.visit(root, unknown, walk.frustum.may_see(square(root, unknown)), true);
-        }
+    for_each_root(view, true, [&](TileKey root) { walk.visit(root, pool.find(root), k_unknown_heights, true, true); });
 }
 
 } // namespace sahel

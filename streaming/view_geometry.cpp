@@ -30,11 +30,14 @@ double lod_distance_m(const ViewState& view, const GroundSquare& s) {
 
 Frustum::Frustum(const ViewState& view) : eye_(view.eye_m) {
     const Vec forward = unit(view.forward);
-    // The axes x east, y south, z up are left-handed: right is up x forward with the sign of that handedness; for the
-    // planes only the pair +right, -right matters.
-    const Vec right = unit(cross(forward, unit(view.up)));
-    const Vec up = cross(right, forward);
-    const double tan_v = std::tan(0.5 * view.vertical_fov_rad), tan_h = tan_v * view.aspect;
+    // x east, y south, z up are left-handed, so this may point left: only the pair of both signs matters.
+    const Vec side = cross(forward, unit(view.up));
+    const Vec right = unit(side);
+    const Vec up = unit(cross(right, forward));
+    // Wider by a pixel at each edge: sub-pixel jitter must not show what was culled.
+    double tan_v = std::tan(0.5 * view.vertical_fov_rad) * (1.0 + 2.0 / std::max(1, view.viewport_height_px));
+    double tan_h = tan_v * view.aspect;
+    if (dot(side, side) < 1e-12) tan_v = tan_h = std::hypot(tan_v, tan_h); // no roll is given: cover all of them
     const auto plane = [&](const Vec& axis, double tangent, double sign) {
         return unit({forward[0] * tangent + sign * axis[0], forward[1] * tangent + sign * axis[1],
                      forward[2] * tangent + sign * axis[2]});
