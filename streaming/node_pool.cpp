@@ -36,6 +36,7 @@ NodePool::NodePool(int slots) {
     blocked.resize(n);
     wanted_frame.resize(n);
     first_wanted_frame.resize(n);
+    listed_frame.resize(n, -1);
     rank.resize(n);
     sequence.resize(n);
     epoch.resize(n);
@@ -90,7 +91,7 @@ uint32_t NodePool::insert(TileKey k, uint32_t parent_slot) {
     parent[slot] = parent_slot;
     if (parent_slot != k_no_slot) ++children[parent_slot];
     children[slot] = attempts[slot] = reloading[slot] = dirty[slot] = blocked[slot] = 0;
-    wanted_frame[slot] = first_wanted_frame[slot] = -1;
+    wanted_frame[slot] = first_wanted_frame[slot] = listed_frame[slot] = -1;
     sequence[slot] = epoch[slot] = wanted_epoch[slot] = load_epoch[slot] = 0;
     wanted_s[slot] = born_s[slot] = retry_s[slot] = 0.0;
     push_newest(slot);

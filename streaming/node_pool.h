@@ -57,6 +57,7 @@ class NodePool {
     std::vector<uint8_t> blocked;      ///< cannot come: it or an ancestor failed (of this frame's wanted ones)
     std::vector<int64_t> wanted_frame; ///< last frame that wanted it
     std::vector<int64_t> first_wanted_frame;
+    std::vector<int64_t> listed_frame;  ///< scratch of collect_wants
     std::vector<uint32_t> rank;         ///< place in the wanted order of wanted_frame
     std::vector<uint64_t> sequence;     ///< of its load
     std::vector<uint64_t> epoch;        ///< version of its contents, 0 none

@@ -19,11 +19,19 @@ void TileStreamer::Impl::collect_wants() {
         const size_t here = wants.size();
         selector.collect(next, pool, true, wants);
         // What is wanted here already goes first: it needs no second row.
-        const auto by_key = [](const Want& a, const Want& b) { return a.key < b.key; };
-        const auto middle = wants.begin() + static_cast<std::ptrdiff_t>(here);
-        std::sort(wants.begin(), middle, by_key);
-        wants.erase(std::remove_if(middle, wants.end(),
-                                   [&](const Want& w) { return std::binary_search(wants.begin(), middle, w, by_key); }),
+        absent_keys.clear();
+        for (size_t i = 0; i < here; ++i) {
+            if (wants[i].slot == k_no_slot)
+                absent_keys.push_back(wants[i].key);
+            else
+                pool.listed_frame[wants[i].slot] = stats.frame;
+        }
+        std::sort(absent_keys.begin(), absent_keys.end());
+        const auto is_listed = [&](const Want& w) {
+            if (w.slot != k_no_slot) return pool.listed_frame[w.slot] == stats.frame;
+            return std::binary_search(absent_keys.begin(), absent_keys.end(), w.key);
+        };
+        wants.erase(std::remove_if(wants.begin() + static_cast<std::ptrdiff_t>(here), wants.end(), is_listed),
                     wants.end());
     }
     std::sort(wants.begin(), wants.end(), goes_before);

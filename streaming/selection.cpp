@@ -16,6 +16,13 @@ bool goes_before(const Want& a, const Want& b) {
     return a.key < b.key;
 }
 
+Selector::Selector(const StreamSettings& settings, double cell_m)
+    : settings_(settings),
+      lod_factor2_(static_cast<double>(settings.lod_factor) * static_cast<double>(settings.lod_factor)) {
+    for (size_t k = 0; k < side_m_.size(); ++k)
+        side_m_[k] = std::ldexp(static_cast<double>(settings.view_cells) * cell_m, static_cast<int>(k));
+}
+
 GroundSquare Selector::square(TileKey key, HeightRange heights) const {
     const double side = side_m(key.level);
     return {static_cast<double>(key.x) * side, static_cast<double>(key.y) * side, side,
@@ -25,7 +32,7 @@ GroundSquare Selector::square(TileKey key, HeightRange heights) const {
 bool Selector::wants_child(const ViewState& view, TileKey key, int quadrant) const {
     if (key.level == 0) return false;
     const GroundSquare q = square(key.child(quadrant), {0.0f, 0.0f});
-    return lod_distance_m(view, q) < static_cast<double>(settings_.lod_factor) * q.side;
+    return lod_distance2_m2(view, q) < lod_factor2_ * q.side * q.side;
 }
 
 HeightRange Selector::quadrant_heights(const NodePool& pool, HeightRange tile, double tile_side_m,

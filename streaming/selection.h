@@ -3,6 +3,7 @@
 #include "streaming/node_pool.h"
 #include "streaming/view_geometry.h"
 
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -35,10 +36,9 @@ struct HeightRange {
 
 class Selector {
   public:
-    Selector(const StreamSettings& settings, double cell_m)
-        : settings_(settings), tile_m_(static_cast<double>(settings.view_cells) * cell_m) {}
+    Selector(const StreamSettings& settings, double cell_m);
 
-    [[nodiscard]] double side_m(int level) const { return std::ldexp(tile_m_, level); }
+    [[nodiscard]] double side_m(int level) const { return side_m_[static_cast<size_t>(level)]; }
     [[nodiscard]] GroundSquare square(TileKey key, HeightRange heights) const;
     /// The quadrant of `key` is to be drawn from its child.
     [[nodiscard]] bool wants_child(const ViewState& view, TileKey key, int quadrant) const;
@@ -65,7 +65,8 @@ class Selector {
   private:
     struct Walk;
     const StreamSettings& settings_;
-    double tile_m_;
+    std::array<double, 21> side_m_{}; ///< by level
+    double lod_factor2_;
 };
 
 } // namespace sahel

@@ -31,6 +31,7 @@ struct TileStreamer::Impl {
     double time_s = 0.0;
     StreamStats stats;
     std::vector<Want> wants;
+    std::vector<TileKey> absent_keys;
     std::vector<uint32_t> wanted_slots; ///< in the order of the wants
     std::vector<VisibleTile> visible;
     std::vector<double> visible_distance_m;

@@ -21,13 +21,6 @@ Vec unit(const Vec& a) {
 
 } // namespace
 
-double lod_distance_m(const ViewState& view, const GroundSquare& s) {
-    const double x = s.x0 - view.eye_m[0], y = s.y0 - view.eye_m[1];
-    const double dx = std::max({x, -(x + s.side), 0.0}), dy = std::max({y, -(y + s.side), 0.0});
-    const double dz = view.eye_m[2] - view.ground_m;
-    return std::sqrt(dx * dx + dy * dy + dz * dz);
-}
-
 Frustum::Frustum(const ViewState& view) : eye_(view.eye_m) {
     const Vec forward = unit(view.forward);
     // x east, y south, z up are left-handed, so this may point left: only the pair of both signs matters.

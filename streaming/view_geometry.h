@@ -2,7 +2,9 @@
 
 #include "streaming/streamer.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 /// Distances and frustum tests in world metres, in double: the only place where positions far from the origin matter.
 namespace sahel {
@@ -16,7 +18,15 @@ struct GroundSquare {
 };
 
 /// Distance from the eye to the nearest point of the square; the vertical part is the eye's height above the ground.
-double lod_distance_m(const ViewState& view, const GroundSquare& square);
+inline double lod_distance2_m2(const ViewState& view, const GroundSquare& s) {
+    const double x = s.x0 - view.eye_m[0], y = s.y0 - view.eye_m[1];
+    const double dx = std::max({x, -(x + s.side), 0.0}), dy = std::max({y, -(y + s.side), 0.0});
+    const double dz = view.eye_m[2] - view.ground_m;
+    return dx * dx + dy * dy + dz * dz;
+}
+inline double lod_distance_m(const ViewState& view, const GroundSquare& square) {
+    return std::sqrt(lod_distance2_m2(view, square));
+}
 
 /// The four side planes of a view, through the eye.
 class Frustum {

@@ -79,7 +79,8 @@ void TileStreamer::Impl::count() {
     is_ready = stats.missing_roots == 0 && stats.unplaced == 0 &&
                (stats.fallbacks == 0 || stats.wanted_over_budget > 0) &&
                std::all_of(visible.begin(), visible.end(), [](const VisibleTile& t) { return t.fade >= 1.0f; });
-    may_progress = loads_in_flight > 0 || !loaded_slots.empty();
+    // An unwanted load that has just been published holds a slot that the next frame takes back.
+    may_progress = loads_in_flight > 0 || !loaded_slots.empty() || stats.unplaced > 0;
     for (const VisibleTile& t : visible) may_progress |= t.fade < 1.0f;
     for (const uint32_t slot : wanted_slots) { // parents before children
         const NodeState s = pool.state(slot);

@@ -82,9 +82,10 @@ Status ViewSession::render_settled(FrameDesc frame) {
     return {};
 }
 
-void ViewSession::render_now(FrameDesc frame, double dt_s) {
+void ViewSession::render_now(FrameDesc frame, double dt_s, const ViewState* lod_view) {
     complete(frame);
-    renderer_->render(frame, streamer_->update(frame.view, dt_s).visible);
+    last_view_ = frame.view;
+    renderer_->render(frame, streamer_->update(lod_view ? *lod_view : frame.view, dt_s).visible);
 }
 
 void ViewSession::set_atmosphere(const Atmosphere& atmosphere) {

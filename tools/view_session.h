@@ -34,10 +34,15 @@ class ViewSession {
     /// Loads until the view can be drawn as it should be, then draws it.
     Status render_settled(FrameDesc frame);
     /// Draws what is there now.
-    void render_now(FrameDesc frame, double dt_s);
+    /// `lod_view`: detail is chosen for this view instead (to look at it from elsewhere).
+    void render_now(FrameDesc frame, double dt_s, const ViewState* lod_view = nullptr);
+    /// The view of the last frame as the streamer saw it.
+    [[nodiscard]] const ViewState& last_view() const { return last_view_; }
 
     /// Moves the sun: all bakes are renewed in the background when it moved by more than half a degree.
     void set_atmosphere(const Atmosphere& atmosphere);
+    /// Sky, haze and exposure at once, baked shadows as they are: while a slider moves.
+    void set_air(const Atmosphere& atmosphere) { renderer_->set_atmosphere(atmosphere); }
 
     [[nodiscard]] Renderer& renderer() { return *renderer_; }
     [[nodiscard]] TileStreamer& streamer() { return *streamer_; }
@@ -51,6 +56,7 @@ class ViewSession {
     void complete(FrameDesc& frame);
 
     GroundSampler lod_ground_;
+    ViewState last_view_;
     std::shared_ptr<Shared> shared_; ///< what workers read
     std::unique_ptr<Renderer> renderer_;
     std::unique_ptr<WorkerPool> workers_;

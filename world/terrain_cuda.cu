@@ -18,7 +18,6 @@ namespace sahel {
 namespace {
 
 constexpr int64_t k_piece_side = 512; // remainders stay within int32, memory within some 30 MB
-constexpr int k_base_fields = 5;
 
 /// Lattices in device memory: fields one after the other.
 struct DeviceFields {
@@ -36,10 +35,13 @@ struct DevicePiece {
     int32_t lake_count;
     bool dune, canyon;
     TerrainLayout l;
-    DeviceFields base, node, sharp, mid, sharp_mid;
+    DeviceFields coarse, sharp_coarse; // sums at every fourth node
+    DeviceFields sum, land, node, sharp, mid, sharp_mid;
 
     __device__ BaseRow base_row(int32_t x, int32_t y, float (&scratch)[k_row_scratch]) const {
-        BaseRow row{base.at(0, x, y), base.at(1, x, y), base.at(2, x, y), base.at(3, x, y), base.at(4, x, y), {}, {}};
+        BaseRow row{};
+        for (int f = 0; f < k_sum_fields; ++f) row.sum[f] = sum.at(f, x, y);
+        row.height = land.at(0, x, y);
         for (int f = 0; f < k_node_fields; ++f) row.field[f] = node.at(f, x, y);
         for (int i = 0; i < k_row_scratch; ++i) row.scratch[i] = &scratch[i];
         return row;
@@ -76,11 +78,41 @@ struct DevicePiece {
     }
 };
 
+struct CoarseSumKernel {
+    DevicePiece p;
+    SumRange range;
+    __device__ void operator()(int32_t x, int32_t y) const {
+        float scratch[k_row_scratch];
+        BaseRow row{};
+        for (int f = 0; f < k_sum_fields; ++f) row.sum[f] = p.coarse.at(f, x, y);
+        for (int i = 0; i < k_row_scratch; ++i) row.scratch[i] = &scratch[i];
+        isa_cuda::sum_row(*p.tables, p.l.sum_row(y, x), 1, p.l.node_m, range, row);
+    }
+};
+struct SharpenSumKernel {
+    DevicePiece p;
+    __device__ void operator()(int32_t x, int32_t y) const {
+        for (int f = 0; f < k_sum_fields; ++f)
+            if (sum_needed(*p.tables, static_cast<SumField>(f)))
+                isa_cuda::sharpen_row(p.coarse.at(f, x, y - 1), p.coarse.at(f, x, y), p.coarse.at(f, x, y + 1), 1,
+                                      p.sharp_coarse.at(f, x, y));
+    }
+};
 struct BaseKernel {
     DevicePiece p;
+    SumRange range;
     __device__ void operator()(int32_t x, int32_t y) const {
         float scratch[k_row_scratch];
         const BaseRow row = p.base_row(x, y, scratch);
+        const SplinePlace px = spline_place(p.l.node_x.first + x, k_nodes_per_sum, p.l.sum_offset(), p.l.sum_x.first);
+        const SplinePlace py = spline_place(p.l.node_y.first + y, k_nodes_per_sum, p.l.sum_offset(), p.l.sum_y.first);
+        float weights[4];
+        spline_weights(py.f, weights);
+        for (int f = 0; f < k_sum_fields; ++f)
+            if (sum_needed(*p.tables, static_cast<SumField>(f)))
+                *row.sum[f] =
+                    DevicePiece::spline_at(p.sharp_coarse.at(f, px.at, py.at), p.l.sum_x.count, weights, px.f);
+        isa_cuda::sum_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, range, row);
         isa_cuda::base_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, row);
         isa_cuda::lake_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, p.lakes, p.lake_count, row);
     }
@@ -89,8 +121,8 @@ struct DetailKernel {
     DevicePiece p;
     __device__ void operator()(int32_t x, int32_t y) const {
         float scratch[k_row_scratch];
-        isa_cuda::detail_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, p.base.at(4, x, y - 1),
-                             p.base.at(4, x, y + 1), p.dune, p.base_row(x, y, scratch));
+        isa_cuda::detail_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, p.land.at(0, x, y - 1),
+                             p.land.at(0, x, y + 1), p.dune, p.canyon, p.base_row(x, y, scratch));
     }
 };
 struct SharpenKernel {
@@ -221,18 +253,32 @@ Status read_terrain_cuda(const TerrainTables& t, int32_t level, float stretch, L
             const int32_t columns = p.l.node_x.count, rows = p.l.node_y.count;
             const int64_t nodes = static_cast<int64_t>(columns) * rows;
             const int64_t mids = static_cast<int64_t>(p.l.mid_x.count) * p.l.mid_y.count;
-            SAHEL_ASSIGN(const Buffer base, fields(k_base_fields, nodes, pool));
+            const int64_t sums = static_cast<int64_t>(p.l.sum_x.count) * p.l.sum_y.count;
+            SAHEL_ASSIGN(const Buffer coarse, fields(k_sum_fields, sums, pool));
+            SAHEL_ASSIGN(const Buffer sharp_coarse, fields(k_sum_fields, sums, pool));
+            SAHEL_ASSIGN(const Buffer sum, fields(k_sum_fields, nodes, pool));
+            SAHEL_ASSIGN(const Buffer land, fields(1, nodes, pool));
             SAHEL_ASSIGN(const Buffer node, fields(k_node_fields, nodes, pool));
             SAHEL_ASSIGN(const Buffer sharp, fields(1, nodes, pool));
             SAHEL_ASSIGN(const Buffer mid, fields(k_mid_fields, mids, pool));
             SAHEL_ASSIGN(const Buffer sharp_mid, fields(1, mids, pool));
-            p.base = {static_cast<float*>(base.data()), nodes, columns};
+            p.coarse = {static_cast<float*>(coarse.data()), sums, p.l.sum_x.count};
+            p.sharp_coarse = {static_cast<float*>(sharp_coarse.data()), sums, p.l.sum_x.count};
+            p.sum = {static_cast<float*>(sum.data()), nodes, columns};
+            p.land = {static_cast<float*>(land.data()), nodes, columns};
             p.node = {static_cast<float*>(node.data()), nodes, columns};
             p.sharp = {static_cast<float*>(sharp.data()), nodes, columns};
             p.mid = {static_cast<float*>(mid.data()), mids, p.l.mid_x.count};
             p.sharp_mid = {static_cast<float*>(sharp_mid.data()), mids, p.l.mid_x.count};
 
-            SAHEL_TRY(cuda::for_each_cell("world/terrain_base", {0, 0, columns, rows}, BaseKernel{p}));
+            const float limit_m = p.l.sum_limit_m();
+            const int32_t sum_columns = p.l.sum_x.count, sum_rows = p.l.sum_y.count;
+            SAHEL_TRY(cuda::for_each_cell("world/terrain_sums", {0, 0, sum_columns, sum_rows},
+                                          CoarseSumKernel{p, {limit_m, k_all_octaves.max_m, true, true}}));
+            SAHEL_TRY(cuda::for_each_cell("world/terrain_sharpen_sums", {1, 1, sum_columns - 1, sum_rows - 1},
+                                          SharpenSumKernel{p}));
+            SAHEL_TRY(cuda::for_each_cell("world/terrain_base", {0, 0, columns, rows},
+                                          BaseKernel{p, {0.0f, limit_m, false, t.warp_x[1].lattice.size_m < limit_m}}));
             SAHEL_TRY(cuda::for_each_cell("world/terrain_detail", {1, 1, columns - 1, rows - 1}, DetailKernel{p}));
             if (p.l.has_spline())
                 SAHEL_TRY(

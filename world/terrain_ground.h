@@ -5,10 +5,14 @@
 /// The fine shapes of the base terrain at one sample: wadis, rills, strata, dunes, and the split into layers.
 namespace sahel {
 
+/// Wadis run over sloping ground, neither over flats nor across mountain sides.
+SAHEL_HD float wadi_slope(float slope) {
+    return sstep(0.004f, 0.02f, 30.0f * slope * slope) * sstep(0.30f, 0.12f, slope);
+}
 SAHEL_HD float wadi_depth(float wadi_m, float line_m, float slope, float mountain, float canyon, float dune,
                           float hold) {
     return wadi_m * (1.0f - sstep(10.0f, 75.0f, abs1(line_m))) * (1.0f - mountain) * (1.0f - canyon) *
-           sstep(0.12f, 0.035f, dune) * sstep(0.004f, 0.02f, 30.0f * slope * slope) * (1.0f - hold);
+           sstep(0.12f, 0.035f, dune) * wadi_slope(slope) * (1.0f - hold);
 }
 
 SAHEL_HD float roughness(float slope, float mountain, float canyon, float dune, float hold) {
@@ -114,8 +118,8 @@ SAHEL_HD float soil_thickness(float slope, float wetness, float dune, float cany
 }
 /// Sand on the floor of a wadi.
 SAHEL_HD float wadi_sand(float line_m, float slope, float mountain, float canyon, float noise) {
-    return clamp01(1.2f - abs1(line_m) * 0.018f - 0.9f * abs1(noise)) * sstep(0.004f, 0.02f, slope * slope * 30.0f) *
-           (1.0f - mountain) * (1.0f - canyon) * 0.8f;
+    return clamp01(1.2f - abs1(line_m) * 0.018f - 0.9f * abs1(noise)) * wadi_slope(slope) * (1.0f - mountain) *
+           (1.0f - canyon) * 0.8f;
 }
 
 /// Lakes end at this many radii; up to there their ground is at least a low bank around them, so that no water stands

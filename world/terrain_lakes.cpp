@@ -38,12 +38,18 @@ struct Land {
     float relief, canyon, continent, height;
 };
 Land land_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t x, int64_t y) {
-    std::array<float, 5 + k_node_fields + k_row_scratch> v{};
-    BaseRow row{&v[0], &v[1], &v[2], &v[3], &v[4], {}, {}};
-    for (int f = 0; f < k_node_fields; ++f) row.field[f] = &v[static_cast<size_t>(5 + f)];
-    for (int i = 0; i < k_row_scratch; ++i) row.scratch[i] = &v[static_cast<size_t>(5 + k_node_fields + i)];
-    kernels.base(t, SampleRow{x, y, 32, 0}, 1, 16.0f, row);
-    return {*row.relief, *row.field[static_cast<int>(NodeField::canyon)], *row.continent, *row.height};
+    std::array<float, k_sum_fields + 1 + k_node_fields + k_row_scratch> v{};
+    float* to = v.data();
+    BaseRow row{};
+    for (float*& sum : row.sum) sum = to++;
+    row.height = to++;
+    for (float*& field : row.field) field = to++;
+    for (float*& scratch : row.scratch) scratch = to++;
+    const SampleRow sample{x, y, 32, 0};
+    kernels.sums(t, sample, 1, 16.0f, k_all_octaves, row);
+    kernels.base(t, sample, 1, 16.0f, row);
+    return {*row.sum[static_cast<int>(SumField::relief)], *row.field[static_cast<int>(NodeField::canyon)],
+            *row.sum[static_cast<int>(SumField::continent)], *row.height};
 }
 
 std::optional<LakeSite> lake_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t i, int64_t j) {

@@ -22,6 +22,8 @@ struct LatticeAxis {
     int32_t count = 0;
 };
 
+inline constexpr int32_t k_nodes_per_sum = 4;
+
 struct TerrainLayout {
     int32_t level = 0;
     CellRect rect;
@@ -29,10 +31,17 @@ struct TerrainLayout {
     int64_t node_half_m = 2, node_shift_half_m = 0;
     int32_t node_zero_bits = 0;
     float node_m = 1.0f, mid_m = 1.0f, cell_m = 1.0f;
-    LatticeAxis node_x, node_y, mid_x, mid_y;
+    LatticeAxis sum_x, sum_y, node_x, node_y, mid_x, mid_y;
 
     SAHEL_HD bool has_spline() const { return cells_per_node > 1; }
     SAHEL_HD bool has_mid_spline() const { return cells_per_mid > 1; }
+    /// Octaves of at least this size are summed at every fourth node: some six samples each.
+    SAHEL_HD float sum_limit_m() const { return (level < 6 ? 24.0f : 64.0f) * node_m; }
+    SAHEL_HD float sum_offset() const { return node_shift_half_m != 0 ? 0.5f : 0.0f; }
+    [[nodiscard]] SAHEL_HD SampleRow sum_row(int32_t y, int32_t x = 0) const {
+        const int64_t half_m = k_nodes_per_sum * node_half_m;
+        return {(sum_x.first + x) * half_m, (sum_y.first + y) * half_m, half_m, node_zero_bits + 2};
+    }
     [[nodiscard]] SAHEL_HD SampleRow node_row(int32_t y, int32_t x = 0) const {
         return {(node_x.first + x) * node_half_m + node_shift_half_m,
                 (node_y.first + y) * node_half_m + node_shift_half_m, node_half_m, node_zero_bits};
@@ -53,6 +62,13 @@ inline constexpr int32_t k_spline_margin = 2; ///< nodes around those the spline
 
 inline constexpr int32_t k_mid_margin = 1; ///< the same of the middle pass: sharpening
 
+/// The sums that nodes need: four taps and one more on each side for sharpening.
+inline LatticeAxis sum_axis(const LatticeAxis& node) {
+    const int64_t first = floor_div(node.first, k_nodes_per_sum) - 2;
+    const int64_t last = floor_div(node.first + node.count - 1, k_nodes_per_sum) + 3;
+    return {first, static_cast<int32_t>(last - first + 1)};
+}
+
 inline TerrainLayout make_terrain_layout(const CellRect& rect, int32_t level) {
     TerrainLayout l;
     l.level = level;
@@ -66,6 +82,8 @@ inline TerrainLayout make_terrain_layout(const CellRect& rect, int32_t level) {
         l.node_m = l.cell_m;
         l.node_x = {rect.x0 - 1, static_cast<int32_t>(rect.width()) + 2};
         l.node_y = {rect.y0 - 1, static_cast<int32_t>(rect.height()) + 2};
+        l.sum_x = sum_axis(l.node_x);
+        l.sum_y = sum_axis(l.node_y);
         return l;
     }
     l.cells_per_node = k_node_spacing_m >> level;
@@ -87,6 +105,8 @@ inline TerrainLayout make_terrain_layout(const CellRect& rect, int32_t level) {
     };
     axes(rect.x0, rect.x1, l.node_x, l.mid_x);
     axes(rect.y0, rect.y1, l.node_y, l.mid_y);
+    l.sum_x = sum_axis(l.node_x);
+    l.sum_y = sum_axis(l.node_y);
     if (l.has_mid_spline()) l.mid_m = static_cast<float>(k_mid_spacing_m);
     return l;
 }

@@ -183,7 +183,7 @@ SAHEL_ROW void middle_row(const TerrainTables& t, const SampleRow& row, int n, f
     } else {
         fill_row(n, 0.0f, hold);
     }
-    const float wadi_m = t.p.wadi_m * sstep(0.3f, 1.5f, 60.0f / spacing_m);
+    const float wadi_m = t.p.wadi_m * wadi_seen(spacing_m);
     SAHEL_VECTORIZE
     for (int x = 0; x < n; ++x) {
         gx[x] = slope_x[x];
@@ -203,7 +203,7 @@ SAHEL_ROW void middle_row(const TerrainTables& t, const SampleRow& row, int n, f
     const float* __restrict wetness = node_of(rows, NodeField::wetness);
     float* __restrict soil = out_of(rows, MidField::soil);
     float* __restrict bed = out_of(rows, MidField::bed);
-    const float bed_on = t.p.wadi_m > 0.0f && t.p.wetland <= 0.0f ? 1.0f : 0.0f;
+    const float bed_on = t.p.wadi_m > 0.0f && t.p.wetland <= 0.0f ? wadi_seen(spacing_m) : 0.0f;
     SAHEL_VECTORIZE
     for (int x = 0; x < n; ++x) {
         const float g = sqrt1(gx[x] * gx[x] + gy[x] * gy[x]);
@@ -218,7 +218,7 @@ SAHEL_ROW void middle_row(const TerrainTables& t, const SampleRow& row, int n, f
         SAHEL_VECTORIZE
         for (int x = 0; x < n; ++x) {
             strata[x] = fade * canyon[x] * max2(sstep(0.03f, 0.16f, slope[x]), flat);
-            h[x] += canyon[x] * 5.0f * noise[x];
+            h[x] += canyon[x] * (1.2f + 3.8f * sstep(0.03f, 0.16f, slope[x])) * noise[x];
         }
     }
     if (rows.has_dune) dune_row(t, row, n, spacing_m, rows, hold);

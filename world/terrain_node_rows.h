@@ -10,6 +10,10 @@ SAHEL_ROW float* field_of(const BaseRow& row, NodeField f) {
     return row.field[static_cast<int>(f)];
 }
 
+SAHEL_ROW float* sum_of(const BaseRow& row, SumField f) {
+    return row.sum[static_cast<int>(f)];
+}
+
 SAHEL_ROW void fill_row(int n, float value, float* __restrict out) {
     for (int x = 0; x < n; ++x) out[x] = value;
 }
@@ -26,14 +30,19 @@ SAHEL_ROW void noise_row(const Lattice& lattice, const SampleRow& row, int n, fl
     for (int x = 0; x < n; ++x) out[x] = weight * noise_value(r, lattice_point(r, x));
 }
 
-/// sum += octaves at the warped place.
+SAHEL_ROW bool in_range(const Lattice& lattice, const SumRange& range) {
+    return lattice.size_m >= range.min_m && lattice.size_m < range.max_m;
+}
+
+/// sum += octaves of the range at the warped place.
 template <int k_count>
-SAHEL_ROW void add_octaves(const Octave (&octaves)[k_count], float scale, const SampleRow& row, int n, float spacing_m,
-                           const float* __restrict wx, const float* __restrict wy, float* __restrict sum) {
+SAHEL_ROW void add_octaves(const Octave (&octaves)[k_count], float scale, const SumRange& range, const SampleRow& row,
+                           int n, float spacing_m, const float* __restrict wx, const float* __restrict wy,
+                           float* __restrict sum) {
     for (int o = 0; o < k_count; ++o) {
         const Octave& octave = octaves[o];
         const float weight = band_weight(octave.lattice.size_m, spacing_m);
-        if (weight <= 0.0f) continue;
+        if (weight <= 0.0f || !in_range(octave.lattice, range)) continue;
         const float a = octave.amplitude * scale * weight;
         const LatticeRow r = lattice_row(octave.lattice, row);
         SAHEL_VECTORIZE
@@ -58,8 +67,8 @@ SAHEL_ROW void line_row(const Lattice& lattice, const SampleRow& row, int n, flo
 }
 
 SAHEL_ROW void warp_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const BaseRow& out) {
-    float* __restrict wx = out.warp_x;
-    float* __restrict wy = out.warp_y;
+    float* __restrict wx = sum_of(out, SumField::warp_x);
+    float* __restrict wy = sum_of(out, SumField::warp_y);
     fill_row(n, 0.0f, wx);
     fill_row(n, 0.0f, wy);
     for (int o = 0; o < 2; ++o) {
@@ -75,14 +84,11 @@ SAHEL_ROW void warp_row(const TerrainTables& t, const SampleRow& row, int n, flo
     }
 }
 
-SAHEL_ROW void massif_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
+SAHEL_ROW void massif_row(const TerrainTables& t, const SumRange& range, const SampleRow& row, int n, float spacing_m,
                           const float* __restrict wx, const float* __restrict wy, float* __restrict height,
                           float* __restrict slope_x, float* __restrict slope_y) {
-    fill_row(n, 0.0f, height);
-    fill_row(n, 0.0f, slope_x);
-    fill_row(n, 0.0f, slope_y);
     const float base = band_weight(t.massif_base.lattice.size_m, spacing_m) * t.massif_base.amplitude;
-    if (base > 0.0f) {
+    if (base > 0.0f && in_range(t.massif_base.lattice, range)) {
         const LatticeRow r = lattice_row(t.massif_base.lattice, row);
         SAHEL_VECTORIZE
         for (int x = 0; x < n; ++x) {
@@ -96,7 +102,7 @@ SAHEL_ROW void massif_row(const TerrainTables& t, const SampleRow& row, int n, f
     }
     for (int o = 0; o < 6; ++o) {
         const float weight = band_weight(t.massif[o].lattice.size_m, spacing_m);
-        if (weight <= 0.0f) continue;
+        if (weight <= 0.0f || !in_range(t.massif[o].lattice, range)) continue;
         const float a = t.massif[o].amplitude * weight;
         const LatticeRow r = lattice_row(t.massif[o].lattice, row);
         if (o < 2) {
@@ -123,62 +129,87 @@ SAHEL_ROW void massif_row(const TerrainTables& t, const SampleRow& row, int n, f
     }
 }
 
-SAHEL_ROW void base_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const BaseRow& out) {
-    warp_row(t, row, n, spacing_m, out);
-    const float* __restrict wx = out.warp_x;
-    const float* __restrict wy = out.warp_y;
-    float* __restrict relief = out.relief;
-    float* __restrict wetness = field_of(out, NodeField::wetness);
-    float* __restrict continent = out.continent;
-    float* __restrict canyon = field_of(out, NodeField::canyon);
-    fill_row(n, t.p.relief_bias, relief);
-    fill_row(n, t.p.wetness_bias, wetness);
-    fill_row(n, t.p.continent_bias, continent);
-    fill_row(n, t.p.canyon_bias, canyon);
-    add_octaves(t.relief, t.p.relief_scale, row, n, spacing_m, wx, wy, relief);
-    add_octaves(t.wet, t.p.wetness_scale, row, n, spacing_m, wx, wy, wetness);
-    if (t.p.sea != 0) add_octaves(t.continent, t.p.continent_scale, row, n, spacing_m, wx, wy, continent);
-    const bool has_canyon = t.p.canyon_m > 0.0f && t.p.sea == 0;
-    if (has_canyon) add_octaves(t.canyon, 1.0f, row, n, spacing_m, wx, wy, canyon);
+SAHEL_ROW void sum_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const SumRange& range,
+                       const BaseRow& out) {
+    float* __restrict relief = sum_of(out, SumField::relief);
+    float* __restrict wetness = sum_of(out, SumField::wetness);
+    float* __restrict continent = sum_of(out, SumField::continent);
+    float* __restrict canyon = sum_of(out, SumField::canyon);
+    float* __restrict plain = sum_of(out, SumField::plain);
+    float* __restrict massif = sum_of(out, SumField::massif);
+    float* __restrict massif_x = sum_of(out, SumField::massif_x);
+    float* __restrict massif_y = sum_of(out, SumField::massif_y);
+    float* __restrict line = sum_of(out, SumField::line);
+    if (range.warp) warp_row(t, row, n, spacing_m, out);
+    const float* __restrict wx = sum_of(out, SumField::warp_x);
+    const float* __restrict wy = sum_of(out, SumField::warp_y);
+    if (range.start) {
+        fill_row(n, t.p.relief_bias, relief);
+        fill_row(n, t.p.wetness_bias, wetness);
+        fill_row(n, t.p.continent_bias, continent);
+        fill_row(n, t.p.canyon_bias, canyon);
+        fill_row(n, 0.0f, plain);
+        fill_row(n, 0.0f, massif);
+        fill_row(n, 0.0f, massif_x);
+        fill_row(n, 0.0f, massif_y);
+        fill_row(n, k_line_limit_m, line);
+    }
+    add_octaves(t.relief, t.p.relief_scale, range, row, n, spacing_m, wx, wy, relief);
+    add_octaves(t.wet, t.p.wetness_scale, range, row, n, spacing_m, wx, wy, wetness);
+    if (sum_needed(t, SumField::continent))
+        add_octaves(t.continent, t.p.continent_scale, range, row, n, spacing_m, wx, wy, continent);
+    if (sum_needed(t, SumField::canyon)) add_octaves(t.canyon, 1.0f, range, row, n, spacing_m, wx, wy, canyon);
+    add_octaves(t.plain, t.p.plain_m, range, row, n, spacing_m, wx, wy, plain);
+    // In full range the massif is left out where the row has no mountain.
+    if (sum_needed(t, SumField::massif)) {
+        bool any = !(range.min_m <= 0.0f);
+        if (!any) {
+            int32_t found = 0;
+            SAHEL_VECTORIZE
+            for (int x = 0; x < n; ++x) found |= relief[x] > k_mountain_relief ? 1 : 0;
+            any = found != 0;
+        }
+        if (any) massif_row(t, range, row, n, spacing_m, wx, wy, massif, massif_x, massif_y);
+    }
+    if (sum_needed(t, SumField::line) && in_range(t.canyon_line, range)) {
+        const bool canyons = sum_needed(t, SumField::canyon);
+        if (canyons || wadi_seen(spacing_m) > 0.0f)
+            line_row(t.canyon_line, row, n, spacing_m, wx, wy, 4e-5f, k_line_limit_m, line);
+    }
+}
 
+SAHEL_ROW void base_row(const TerrainTables& t, const SampleRow&, int n, float, const BaseRow& out) {
+    const float* __restrict relief = sum_of(out, SumField::relief);
+    const float* __restrict wet = sum_of(out, SumField::wetness);
+    const float* __restrict canyon_sum = sum_of(out, SumField::canyon);
     float* __restrict mountain = field_of(out, NodeField::mountain);
     float* __restrict dune = field_of(out, NodeField::dune);
+    float* __restrict canyon = field_of(out, NodeField::canyon);
+    float* __restrict wetness = field_of(out, NodeField::wetness);
     float* __restrict wetland = field_of(out, NodeField::wetland);
-    const float canyon_on = has_canyon ? 1.0f : 0.0f;
+    const float canyon_on = sum_needed(t, SumField::canyon) ? 1.0f : 0.0f;
     const float dune_on = t.p.dune_m > 0.0f ? 1.0f : 0.0f;
     const float wetland_on = t.p.wetland;
     SAHEL_VECTORIZE
     for (int x = 0; x < n; ++x) {
-        const float m = sstep(0.10f, 0.55f, relief[x]);
-        const float k = sstep(-0.1f, 0.25f, canyon[x]) * (1.0f - m) * canyon_on;
-        const float d =
-            sstep(-0.02f, -0.26f, relief[x]) * (1.0f - sstep(0.05f, 0.40f, wetness[x])) * dune_on * (1.0f - k);
+        const float m = sstep(k_mountain_relief, 0.55f, relief[x]);
+        const float k = sstep(-0.1f, 0.25f, canyon_sum[x]) * (1.0f - m) * canyon_on;
+        const float d = sstep(-0.02f, -0.26f, relief[x]) * (1.0f - sstep(0.05f, 0.40f, wet[x])) * dune_on * (1.0f - k);
         mountain[x] = m;
         canyon[x] = k;
         dune[x] = d;
+        wetness[x] = wet[x];
         wetland[x] = wetland_on * (1.0f - m) * (1.0f - d);
     }
 
     float* __restrict h = out.height;
-    fill_row(n, 0.0f, h);
-    add_octaves(t.plain, t.p.plain_m, row, n, spacing_m, wx, wy, h);
-    float* __restrict massif = out.scratch[0];
-    float* __restrict line = out.scratch[1];
-    int32_t any_mountain = 0; // the massif is multiplied by the weight, so a row without it needs none
-    SAHEL_VECTORIZE
-    for (int x = 0; x < n; ++x) any_mountain |= mountain[x] > 0.0f ? 1 : 0;
-    if (any_mountain != 0)
-        massif_row(t, row, n, spacing_m, wx, wy, massif, out.scratch[2], out.scratch[3]);
-    else
-        fill_row(n, 0.0f, massif);
-    if (has_canyon)
-        line_row(t.canyon_line, row, n, spacing_m, wx, wy, 4e-5f, 3000.0f, line);
-    else
-        fill_row(n, 3000.0f, line);
-
+    const float* __restrict plain = sum_of(out, SumField::plain);
+    const float* __restrict continent = sum_of(out, SumField::continent);
+    const float* __restrict massif = sum_of(out, SumField::massif);
+    const float* __restrict line = sum_of(out, SumField::line);
     const BaseTerrainParams& p = t.p;
     const auto sample = [&](int x) {
-        return LandSample{h[x], relief[x], mountain[x], dune[x], canyon[x], continent[x], massif[x], line[x]};
+        return LandSample{plain[x], relief[x], mountain[x], dune[x], canyon[x], continent[x], massif[x], line[x]};
     };
     if (p.sea == 0) {
         SAHEL_VECTORIZE
@@ -327,19 +358,22 @@ SAHEL_ROW void dune_phase_row(const TerrainTables& t, const SampleRow& row, int 
 }
 
 SAHEL_ROW void detail_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const float* above,
-                          const float* below, bool dunes, const BaseRow& out) {
+                          const float* below, bool dunes, bool canyons, const BaseRow& out) {
     gully_row(t, row, n, spacing_m, above, below, out);
     float* __restrict strata = field_of(out, NodeField::strata);
     float* __restrict wadi = field_of(out, NodeField::wadi);
-    if (t.p.wadi_m > 0.0f || t.p.canyon_m > 0.0f) noise_row(t.strata, row, n, spacing_m, strata);
-    if (t.p.wadi_m > 0.0f) {
-        line_row(t.canyon_line, row, n, spacing_m, out.warp_x, out.warp_y, 4e-5f, 3000.0f, wadi);
+    const bool wadis = t.p.wadi_m > 0.0f && wadi_seen(spacing_m) > 0.0f;
+    if (wadis || canyons) noise_row(t.strata, row, n, spacing_m, strata);
+    if (wadis) {
+        const float* __restrict line = sum_of(out, SumField::line);
+        float* __restrict bend = out.scratch[0];
+        noise_row(t.lake_shape[1], row, n, spacing_m, bend);
         SAHEL_VECTORIZE
-        for (int x = 0; x < n; ++x) wadi[x] += 72.0f * strata[x];
+        for (int x = 0; x < n; ++x) wadi[x] = line[x] + 150.0f * strata[x] + 45.0f * bend[x];
     } else {
-        fill_row(n, 3000.0f, wadi);
+        fill_row(n, k_line_limit_m, wadi);
     }
-    if (t.p.canyon_m > 0.0f) {
+    if (canyons) {
         float* __restrict tilt = out.scratch[0];
         float* __restrict fold = out.scratch[1];
         noise_row(t.tilt, row, n, spacing_m, tilt);
@@ -348,8 +382,8 @@ SAHEL_ROW void detail_row(const TerrainTables& t, const SampleRow& row, int n, f
         for (int x = 0; x < n; ++x) strata[x] = 18.0f * strata[x] + 2.0f * fold[x] + 110.0f * tilt[x];
     }
     if (t.p.wetland > 0.0f)
-        line_row(t.channel_line, row, n, spacing_m, out.warp_x, out.warp_y, 1.2e-4f, 1500.0f,
-                 field_of(out, NodeField::channel));
+        line_row(t.channel_line, row, n, spacing_m, sum_of(out, SumField::warp_x), sum_of(out, SumField::warp_y),
+                 1.2e-4f, 1500.0f, field_of(out, NodeField::channel));
     if (dunes) dune_phase_row(t, row, n, spacing_m, out);
 }
 

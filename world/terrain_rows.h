@@ -7,7 +7,8 @@
 
 /// Row kernels of the base terrain. Nodes carry the large scale, cells what is sharp or fine:
 ///
-///     base      nodes   climate -> weights -> massif -> height of the land
+///     sums      every 4th node: large octaves; spline; nodes: the other octaves
+///     base      nodes   climate -> weights -> height of the land
 ///     lakes     nodes
 ///     detail    nodes   gullies (read the rows above and below) -> dune phases, lines, strata
 ///     sharpen   nodes   makes the spline pass near the nodes' heights
@@ -22,10 +23,17 @@ namespace sahel {
 
 inline constexpr int k_row_scratch = 7;
 
+/// Which octaves a call of `sums` adds: sizes in [min_m, max_m).
+struct SumRange {
+    float min_m, max_m;
+    bool start; ///< from the biases; else on top of what is there
+    bool warp;  ///< makes the warp, of all its octaves; else it is there
+};
+inline constexpr SumRange k_all_octaves{0.0f, 1e9f, true, true};
+
 /// A row of nodes.
 struct BaseRow {
-    float *warp_x, *warp_y; ///< m
-    float *relief, *continent;
+    float* sum[k_sum_fields];
     float* height; ///< m, before gullies
     float* field[k_node_fields];
     float* scratch[k_row_scratch];
@@ -48,13 +56,35 @@ struct CellRow {
     bool has_dune, has_canyon, has_lake;
 };
 
+SAHEL_HD bool sum_needed(const TerrainTables& t, SumField f) {
+    const bool canyons = t.p.canyon_m > 0.0f && t.p.sea == 0;
+    switch (f) {
+    case SumField::continent:
+        return t.p.sea != 0;
+    case SumField::canyon:
+        return canyons;
+    case SumField::line:
+        return canyons || t.p.wadi_m > 0.0f;
+    case SumField::massif:
+    case SumField::massif_x:
+    case SumField::massif_y:
+        return t.p.mountain_m > 0.0f;
+    default:
+        return true;
+    }
+}
+
 struct TerrainKernels {
+    /// Sums of out.sum that the landscape needs, see sum_needed.
+    void (*sums)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const SumRange& range,
+                 const BaseRow& out);
+    /// From the sums.
     void (*base)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const BaseRow& out);
     void (*lakes)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const LakeSite* sites,
                   int site_count, const BaseRow& out);
     /// `above` and `below` are heights of the neighbouring rows; reads heights at -1 and n.
     void (*detail)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const float* above,
-                   const float* below, bool dunes, const BaseRow& out);
+                   const float* below, bool dunes, bool canyons, const BaseRow& out);
     /// Reads `here` at -1 and n.
     void (*sharpen)(const float* above, const float* here, const float* below, int n, float* out);
     /// `weights` are the basis values of the row, `mixed` holds count + 3 floats. Writes count * per_interval samples:

@@ -11,6 +11,12 @@ SAHEL_HD float phasor_scale(const Lattice& lattice, float wavelength_m) {
     return static_cast<float>(int64_t{1} << lattice.m) / (2.0f * n2 * wavelength_m);
 }
 
+inline constexpr float k_mountain_relief = 0.10f; ///< mountains begin above
+/// Share of wadis that cells of a size show: they are 60 m wide.
+SAHEL_HD float wadi_seen(float spacing_m) {
+    return sstep(0.3f, 1.5f, 60.0f / spacing_m);
+}
+
 /// Signed distance to the zero line of a noise: value over slope, m.
 SAHEL_HD float zero_line_distance(float value, float gx, float gy, float floor_slope, float limit_m) {
     const float slope = sqrt1(gx * gx + gy * gy) + floor_slope;

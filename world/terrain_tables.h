@@ -41,7 +41,25 @@ inline constexpr float k_mega_wavelength = 12.5f;
 inline constexpr float k_small_dune_m = 26.0f; ///< wavelength of the smallest dunes
 inline constexpr float k_strata_m = 44.0f;     ///< a cliff and a ledge
 inline constexpr int64_t k_lake_lattice_m = 4096;
-inline constexpr float k_no_lake = 3.0f; ///< lake radii from its centre beyond which a lake changes nothing
+inline constexpr float k_line_limit_m = 3000.0f; ///< distances to lines are not known beyond
+inline constexpr float k_no_lake = 3.0f;         ///< lake radii from its centre beyond which a lake changes nothing
+
+/// Sums of octaves from which the large scale is made. Octaves of many node spacings are summed at every fourth node.
+enum class SumField : int {
+    warp_x, ///< m
+    warp_y,
+    relief,
+    wetness,
+    continent,
+    canyon,
+    plain, ///< m
+    massif,
+    massif_x, ///< slopes
+    massif_y,
+    line, ///< signed distance to the line of canyons and wadis, m
+    count_
+};
+inline constexpr int k_sum_fields = static_cast<int>(SumField::count_);
 
 /// Fields evaluated at nodes. Those up to `lake_level` reach the cells by a spline of their own; the rest goes into the
 /// middle pass.

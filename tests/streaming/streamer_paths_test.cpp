@@ -185,7 +185,13 @@ TEST(StreamerPaths, SettledViewDependsOnTheViewAlone) {
         for (int i = 0; i < 40; ++i) {
             const ViewState view = view_at(i * 400.0, i * i * 90.0, 20.0 + i * 3.0, i * 0.7);
             for (int k = 0; k < 7; ++k) old.frame(straight(i * 30 + k)); // something else in between
-            ASSERT_TRUE(old.streamer().settle(view));
+            const bool settled = old.streamer().settle(view);
+            const StreamStats& st = old.streamer().stats();
+            ASSERT_TRUE(settled) << "slots " << slots << ", view " << i << " missing " << st.missing_roots
+                                 << " unplaced " << st.unplaced << " fallb " << st.fallbacks << " over "
+                                 << st.wanted_over_budget << " inflight " << st.loads_in_flight << " free "
+                                 << st.nodes_in_state[0] << " queued " << st.nodes_in_state[1] << " res "
+                                 << st.nodes_in_state[4];
             ASSERT_TRUE(old.streamer().ready());
             FakeWorld fresh(options);
             ASSERT_TRUE(fresh.streamer().settle(view));

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <random>
 
 /// What the import refuses: one line each, naming the file, and nothing made.
 namespace sahel::dem_test {
@@ -184,6 +186,40 @@ TEST(DemBroken, FilesThatCannotBeJoined) {
     options = plain_options();
     options.source.band = 2;
     expect_refused({t / "a.tif"}, options, ErrorKind::usage, "no band 2");
+}
+
+/// Any bytes: a world or one line, never a crash, never a word on the terminal.
+TEST(DemBroken, FlippedBytes) {
+    const TempFolder t;
+    const Grid grid = ramp(130, 40);
+    write_gdal(t / "a.tif", "GTiff", "Float32", grid);
+    write_gdal(t / "b.png", "PNG", "UInt16", grid);
+    write_exr(t / "c.exr", grid, "Y", 1.0f);
+    write_gdal(t / "d.asc", "AAIGrid", "Float32", grid);
+    const bool deep = std::getenv("SAHEL_LONG_TESTS") != nullptr;
+    int made = 0, refused = 0;
+    for (const char* name : {"a.tif", "b.png", "c.exr", "d.asc"}) {
+        const std::vector<uint8_t> whole = read_bytes(t / name);
+        std::mt19937 random(7);
+        testing::internal::CaptureStderr();
+        for (int round = 0; round < (deep ? 4000 : 120); ++round) {
+            std::vector<uint8_t> bytes = whole;
+            // Headers matter most: half of the flips go there.
+            const size_t reach = round % 2 ? bytes.size() : std::min<size_t>(bytes.size(), 600);
+            for (int flips = 1 + round % 4; flips > 0; --flips)
+                bytes[random() % reach] = static_cast<uint8_t>(random());
+            write_bytes(t / name, bytes);
+            const Imported w = import_files({t / name}, plain_options());
+            (w.report.ok() ? made : refused) += 1;
+            if (w.report.ok()) continue;
+            ASSERT_FALSE(w.report.error().message.empty());
+            ASSERT_EQ(w.report.error().message.find('\n'), std::string::npos) << w.report.error().message;
+            ASSERT_TRUE(w.sink.tiles.empty());
+        }
+        EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << name;
+    }
+    EXPECT_GT(made, 0);
+    EXPECT_GT(refused, 0);
 }
 
 TEST(DemBroken, OptionsOutOfRange) {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "render/atmosphere.h"
+#include "render/camera_flights.h"
+#include "world/world.h"
+
+#include <string>
+#include <vector>
+
+/// Where the demo goes: places worth it are found in the generated world, not typed in.
+namespace sahel::tools {
+
+struct TourStill {
+    std::string name;
+    CameraPose pose;
+    Atmosphere atmosphere;
+};
+
+struct Tour {
+    CameraPath flight;
+    Atmosphere atmosphere;
+    std::vector<TourStill> stills; ///< four
+};
+
+/// A pure function of the world's surface.
+Result<Tour> plan_tour(const World& world, double seconds);
+
+} // namespace sahel::tools
