@@ -73,12 +73,17 @@ void main() {
     vec2 g_fine = (n1.rg - 0.5) * fine;
 
     // Rock: beds by height, thin dark seams, grey above the dry belt.
-    float sy = height + 7.0 * v3 + 2.5 * v2;
+    float sy = height + 46.0 * v4 + 9.0 * v3 + 2.5 * v2;
     float band = 0.5 + 0.5 * sin(sy * 0.55 + 2.0 * sin(sy * 0.17 + 1.0) + 1.3 * sin(sy * 0.39));
     float seam = smoothstep(0.35, 0.95, sin(sy * 2.3 + 3.0 * v2 + 2.0 * sin(sy * 0.31)));
-    float beds = look.w;
+    float beds = look.w * (0.25 + 0.75 * smoothstep(-0.12, 0.16, v4 - 0.5 * v3));
+    // Beds thinner than a few pixels go: they would draw lines of their own.
+    float pixel = d * screen.w;
+    band = mix(band, 0.5, smoothstep(1.2, 4.0, pixel));
+    seam *= 1.0 - smoothstep(0.35, 1.0, pixel);
+    float pale = smoothstep(0.72, 0.95, 0.5 + 0.5 * sin(sy * 0.21 + 4.0)) * (1.0 - smoothstep(4.0, 10.0, pixel));
     vec3 rock_colour = mix(vec3(0.33, 0.165, 0.095), vec3(0.47, 0.285, 0.165), mix(0.5, band, beds));
-    rock_colour = mix(rock_colour, vec3(0.55, 0.42, 0.30), 0.55 * beds * smoothstep(0.72, 0.95, 0.5 + 0.5 * sin(sy * 0.21 + 4.0)));
+    rock_colour = mix(rock_colour, vec3(0.55, 0.42, 0.30), 0.55 * beds * pale);
     rock_colour *= 1.0 - 0.26 * beds * seam * smoothstep(-0.12, 0.12, v2 + 0.5 * v3);
     rock_colour *= 0.86 + 0.9 * v2 + 0.6 * v1;
     float grey = smoothstep(rock.x, rock.y, height + 160.0 * v4 + 40.0 * v3);
@@ -106,8 +111,9 @@ void main() {
     float grit = fine * (1.0 - sand) * (1.0 - humus) * (1.0 - snow);
     if (grit > 0.01) {
         float stones = smoothstep(0.60, 0.72, texture(noise_map, noise_phase[0].xy * 3.0 + p * 1.29).a);
-        albedo *= 1.0 - 0.22 * grit * stones;
-        g_fine *= 1.0 + 1.2 * grit * stones;
+        float gravel = smoothstep(0.02, 0.16, v2 + 0.5 * v3);
+        albedo *= 1.0 + grit * (0.10 * gravel - (0.20 + 0.22 * gravel) * stones);
+        g_fine *= 1.0 + (1.2 + gravel) * grit * stones;
     }
 
     // Bump. On walls the horizontal gradient turns into a vertical one.
@@ -143,7 +149,9 @@ void main() {
     float facing = smoothstep(-0.02, 0.10, dot(ground_n, sun.xyz));
     float open_sky = bake.g * mix(1.0, 0.82 + 0.6 * v1 + 0.5 * v2, 0.6 * (1.0 - sand));
     vec3 lit = sun_light.rgb * bake.r;
-    vec3 c = albedo / k_pi * (lit * lambert * facing + ambient(n) * open_sky * k_pi);
+    // Where ground hides the sky it sends light itself, most of it from slopes in the sun.
+    vec3 around = ambient(n) * open_sky + light_ground.rgb * (1.25 * (1.0 - bake.g) + 0.22 * (0.5 + slope));
+    vec3 c = albedo / k_pi * (lit * lambert * facing + around * k_pi);
     c += sand_colour * 0.06 * pow(1.0 - max(0.0, dot(n, view)), 5.0) * sand * lit * lambert;
     c += wet * 0.05 * pow(max(0.0, dot(n, normalize(view + sun.xyz))), 60.0) * lit;
     colour = vec4(c * air_kept + air_added, 1.0);

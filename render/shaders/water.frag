@@ -70,8 +70,8 @@ void main() {
     float cut = min(1.0, 280.0 / max(pixels, 1.0));
     s1 = mix(s0, s1, cut);
     pixels *= cut;
-    int steps = int(clamp(pixels / 6.0, 6.0, 44.0));
-    float jitter = gradient_noise_1(gl_FragCoord.xy);
+    int steps = int(clamp(pixels / 3.0, 8.0, 64.0));
+    float jitter = fract(gradient_noise_1(gl_FragCoord.xy) + lod.w * 0.618034); // averaged over the samples of a picture
     float before = 0.0;
     for (int i = 0; i < steps; ++i) {
         float t = (float(i) + 0.4 + 0.6 * jitter) / float(steps);
