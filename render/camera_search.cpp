@@ -241,6 +241,25 @@ Vec3d eye_at(ViewTerrain& terrain, const Standpoint& point) {
     return {x, y, ground + eye_height_m(point.kind)};
 }
 
+/// Shade decides late, it takes rays: views that lie in it fall back, and the sun may change sides.
+void judge_shade(ViewTerrain& terrain, const CameraSearchOptions& options, FoundView& view) {
+    const Panorama panorama = cast_panorama(terrain, view.pose.eye_m);
+    std::array<double, 2> suns{view.sun_azimuth_deg, wrap_degrees(2.0 * view.pose.yaw_deg - view.sun_azimuth_deg)};
+    if (options.sun_azimuth_deg) suns[1] = suns[0];
+    FoundView best = view;
+    best.score = -1.0;
+    for (const double sun : suns) {
+        FoundView v = view;
+        v.sun_azimuth_deg = sun;
+        v.measures = measure_view(panorama, v.pose, sun, options.sun_elevation_deg);
+        v.measures.sunlit = sunlit_share(terrain, panorama, v.pose, sun, options.sun_elevation_deg);
+        const double in_light = std::clamp((v.measures.sunlit - 0.15) / 0.40, 0.0, 1.0);
+        v.score = score_view(v.kind, v.measures) * (0.25 + 0.75 * in_light);
+        if (v.score > best.score) best = v;
+    }
+    view = best;
+}
+
 Status check_options(const CameraSearchOptions& o) {
     const auto usage = [](const std::string& what) { return Error{ErrorKind::usage, "camera search: " + what}; };
     if (!(o.radius_m >= 200.0 && o.radius_m <= 50000.0))
@@ -287,11 +306,15 @@ Result<std::vector<FoundView>> find_views(const SurfaceSource& source, const Cam
         std::vector<FoundView> ranked;
         for (size_t i = 0; i < points.size(); ++i)
             if (points[i].kind == kind && seen[i].score >= options.least_score) ranked.push_back(seen[i]);
-        std::stable_sort(ranked.begin(), ranked.end(),
-                         [](const FoundView& a, const FoundView& b) { return a.score > b.score; });
+        const auto better = [](const FoundView& a, const FoundView& b) { return a.score > b.score; };
+        std::stable_sort(ranked.begin(), ranked.end(), better);
+        const auto judged = std::min(ranked.size(), static_cast<size_t>(4 * options.per_kind + 6));
+        tbb::parallel_for(size_t{0}, judged, [&](size_t i) { judge_shade(terrains.local(), options, ranked[i]); });
+        ranked.resize(judged);
+        std::stable_sort(ranked.begin(), ranked.end(), better);
         int taken = 0;
         for (const FoundView& view : ranked) {
-            if (taken == options.per_kind) break;
+            if (taken == options.per_kind || view.score < options.least_score) break;
             const bool crowded = std::any_of(found.begin(), found.end(), [&](const FoundView& f) {
                 return f.kind == kind && std::hypot(f.pose.eye_m[0] - view.pose.eye_m[0],
                                                     f.pose.eye_m[1] - view.pose.eye_m[1]) < options.spacing_m;

@@ -30,7 +30,8 @@ struct ViewMeasures {
     double dune_flanks = 0.0;                               ///< of the sand in the middle, what is steeper than 0.2
     double far_relief_deg = 0.0;                            ///< standard deviation of the far skyline
     double skyline_top_deg = 0.0, skyline_mean_deg = 0.0;
-    double lit = 0.0;            ///< of the ground, what the sun reaches
+    double lit = 0.0;            ///< of the ground, what faces the sun
+    double sunlit = 0.0;         ///< of the ground, what the sun reaches past the hills; of the best views alone
     double light_contrast = 0.0; ///< standard deviation of the light on the ground
     double foreground_contrast = 0.0;
     double blocked = 0.0; ///< share of the middle columns where the ground within 40 m hides the horizon

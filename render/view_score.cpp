@@ -147,6 +147,43 @@ ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, doub
     return m;
 }
 
+double sunlit_share(ViewTerrain& terrain, const Panorama& panorama, const CameraPose& pose, double sun_azimuth_deg,
+                    double sun_elevation_deg) {
+    const Vec3d sun = view_direction({.yaw_deg = sun_azimuth_deg, .pitch_deg = sun_elevation_deg});
+    const double level_length = std::hypot(sun[0], sun[1]);
+    const double climb = sun[2] / std::max(level_length, 1e-6);
+    const double ux = sun[0] / std::max(level_length, 1e-6), uy = sun[1] / std::max(level_length, 1e-6);
+    const double half = half_width_deg(pose.vertical_fov_deg);
+    const auto in_shade = [&](double x, double y, int level) {
+        const double from = static_cast<double>(terrain.at(level, x, y).surface_m) + 1.0;
+        double step = 2.0 * terrain.cell_m(level);
+        for (double d = step; d < 12000.0 && d * climb < 1500.0; d += step) {
+            while (level < 8 && terrain.cell_m(level + 1) <= 0.06 * d) ++level;
+            step = std::max(step, 0.06 * d);
+            if (static_cast<double>(terrain.at(level, x + ux * d, y + uy * d).surface_m) > from + d * climb)
+                return true;
+        }
+        return false;
+    };
+    double ground = 0.0, lit = 0.0;
+    for (int c = column_of(pose.yaw_deg - half); c <= column_of(pose.yaw_deg + half); c += 6)
+        for (int r = 0; r < Panorama::k_rows; r += 3) {
+            const double elevation = Panorama::k_top_deg - (r + 0.5) * Panorama::k_step_deg;
+            if (std::abs(elevation - pose.pitch_deg) > pose.vertical_fov_deg / 2.0) continue;
+            const Panorama::Pixel& p = panorama.at(c, r);
+            if (p.material == ViewMaterial::sky || p.material == ViewMaterial::water) continue;
+            ground += 1.0;
+            const double facing =
+                sun[2] - static_cast<double>(p.east) * sun[0] - static_cast<double>(p.south) * sun[1];
+            if (facing <= 0.02) continue;
+            const double d = static_cast<double>(p.distance_m), azimuth = (c + 0.5) * Panorama::k_step_deg * k_rad;
+            int level = 2;
+            while (level < 7 && terrain.cell_m(level + 1) <= 0.02 * d) ++level;
+            lit += in_shade(pose.eye_m[0] + d * std::cos(azimuth), pose.eye_m[1] + d * std::sin(azimuth), level) ? 0 : 1;
+        }
+    return ground > 0.0 ? lit / ground : 0.0;
+}
+
 double score_view(ViewKind kind, const ViewMeasures& m) {
     double sum = 0.0, weights = 0.0;
     const auto add = [&](double weight, double value) {

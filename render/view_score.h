@@ -15,6 +15,11 @@ double pitch_for(const Panorama& panorama, double yaw_deg, double vertical_fov_d
 ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, double sun_azimuth_deg,
                           double sun_elevation_deg);
 
+/// Share of the ground in the picture that the sun reaches, hills in its way counted: rays over the terrain from every
+/// few pixels.
+double sunlit_share(ViewTerrain& terrain, const Panorama& panorama, const CameraPose& pose, double sun_azimuth_deg,
+                    double sun_elevation_deg);
+
 /// 0 .. 1; 0 where the picture is not of this kind.
 double score_view(ViewKind kind, const ViewMeasures& measures);
 

@@ -1,13 +1,13 @@
 #pragma once
 
 #include "render/atmosphere.h"
-#include "render/camera_flights.h"
+#include "render/camera_path.h"
 #include "world/world.h"
 
 #include <string>
 #include <vector>
 
-/// Where the demo goes: places worth it are found in the generated world, not typed in.
+/// Where the demo goes: places worth it are found in the world (render/camera_search.h), not typed in.
 namespace sahel::tools {
 
 struct TourStill {
@@ -19,10 +19,10 @@ struct TourStill {
 struct Tour {
     CameraPath flight;
     Atmosphere atmosphere;
-    std::vector<TourStill> stills; ///< four
+    std::vector<TourStill> stills; ///< four, where the landscape has as many
 };
 
-/// A pure function of the world's surface.
+/// A flight of `seconds` and stills. A pure function of the world's surface.
 Result<Tour> plan_tour(const World& world, double seconds);
 
 } // namespace sahel::tools

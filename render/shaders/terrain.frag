@@ -92,12 +92,15 @@ void main() {
 
     vec3 sand_colour = mix(vec3(0.56, 0.375, 0.205), vec3(0.60, 0.325, 0.15), clamp(look.x + v4 * 1.2, 0.0, 1.0));
     sand_colour *= 1.0 + 0.30 * v3 + 0.20 * v2 + 0.16 * v1;
-    vec3 soil_colour = mix(vec3(0.30, 0.205, 0.125), vec3(0.38, 0.27, 0.165), smoothstep(-0.2, 0.2, v4)) * (1.0 + 0.6 * v3 + 0.5 * v2 + 0.5 * v1);
+    vec3 soil_colour = mix(vec3(0.33, 0.225, 0.135), vec3(0.43, 0.305, 0.185), smoothstep(-0.2, 0.2, v4)) * (1.0 + 0.42 * v3 + 0.30 * v2 + 0.42 * v1);
     vec3 humus_colour = vec3(0.085, 0.060, 0.036) * (1.0 + 0.8 * v2 + 0.7 * v1);
     float dryness = clamp(0.55 - 0.9 * material.b + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
     vec3 green_colour = mix(vec3(0.070, 0.100, 0.022), vec3(0.20, 0.165, 0.060), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
 
-    float sand = smoothstep(0.30, 0.62, material.r + 0.45 * v2 + 0.35 * v3 + 0.12 * v1);
+    // Thin drifts lie on level dry ground, too thin for the layers.
+    float drift = smoothstep(0.02, 0.20, 0.8 * v3 + 0.7 * v2 + 0.5 * v4 + 0.15 * v1) * smoothstep(0.10, 0.03, slope) *
+                  smoothstep(0.30, 0.10, material.g) * smoothstep(0.55, 0.25, material.b);
+    float sand = max(smoothstep(0.30, 0.62, material.r + 0.45 * v2 + 0.35 * v3 + 0.12 * v1), 0.8 * drift);
     float humus = smoothstep(0.25, 0.60, material.g + 0.5 * v2 + 0.25 * v3 + 0.2 * v1) * (1.0 - 0.85 * sand);
     vec3 albedo = mix(soil_colour, sand_colour, sand);
     albedo = mix(albedo, mix(humus_colour, green_colour, smoothstep(0.25, 0.62, material.b * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18)), humus);
