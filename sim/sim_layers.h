@@ -34,12 +34,23 @@ enum class SimLayer : uint8_t {
     echo,
     bounce,
     repose,
-    // scratch of a pass group, int32 ticks
-    moved_a,
-    moved_b,
+    // working planes of avalanching (avalanche.h)
+    surface,
+    surface_next,
+    give,
+    paths,
+    paths_next,
     count_
 };
 inline constexpr int k_sim_layer_count = static_cast<int>(SimLayer::count_);
+
+/// What a cell beyond an open border holds: the value of the nearest cell inside (a ground that goes on as it ends), or
+/// nothing (nothing comes in). Beyond a frozen border the same "nothing" holds, and all else is what was loaded.
+enum class Outside : uint8_t { as_edge, nothing };
+
+/// A wall mirrors the world: a component of a vector changes its sign there, and bits of directions (bit k of each byte
+/// is direction k, directions.h) change places.
+enum class Mirror : uint8_t { even, odd_x, odd_y, directions };
 
 enum class SimRole : uint8_t {
     conserved, ///< state, counted by the ledger
@@ -53,31 +64,36 @@ struct SimLayerInfo {
     std::string_view unit;
     LayerType type;
     SimRole role;
+    Outside outside;
+    Mirror mirror;
     std::optional<Layer> world; ///< the stored layer it is loaded from and committed to
     std::string_view help;
 };
 
 // clang-format off
 inline constexpr std::array<SimLayerInfo, k_sim_layer_count> k_sim_layers = {{
-    {SimLayer::bedrock,       "bedrock",       "m",   LayerType::ticks, SimRole::conserved, Layer::bedrock,       "Height of the rock surface above the datum"},
-    {SimLayer::soil,          "soil",          "m",   LayerType::ticks, SimRole::conserved, Layer::soil,          "Thickness of soil on the rock"},
-    {SimLayer::sand,          "sand",          "m",   LayerType::ticks, SimRole::conserved, Layer::sand,          "Thickness of loose sand on the soil"},
-    {SimLayer::water,         "water",         "m",   LayerType::ticks, SimRole::conserved, Layer::water,         "Depth of standing or flowing water"},
-    {SimLayer::sediment,      "sediment",      "m",   LayerType::ticks, SimRole::conserved, Layer::sediment,      "Sediment suspended in the water"},
-    {SimLayer::airborne_sand, "airborne_sand", "m",   LayerType::ticks, SimRole::conserved, Layer::airborne_sand, "Sand carried by the wind"},
-    {SimLayer::moisture,      "moisture",      "m",   LayerType::ticks, SimRole::conserved, Layer::moisture,      "Water held by the ground"},
-    {SimLayer::mask,          "mask",          "",    LayerType::flags, SimRole::given,     Layer::mask,          "Bits of the world's mask layer"},
-    {SimLayer::vegetation,    "vegetation",    "",    LayerType::real,  SimRole::given,     std::nullopt,         "Density of plants, 0 to 1"},
-    {SimLayer::resistance,    "resistance",    "",    LayerType::real,  SimRole::given,     std::nullopt,         "Resistance of bedrock to abrasion, 0 to 1"},
-    {SimLayer::object,        "object",        "",    LayerType::flags, SimRole::given,     std::nullopt,         "1 on a solid object, else 0"},
-    {SimLayer::wind_x,        "wind_x",        "m/s", LayerType::real,  SimRole::working,   std::nullopt,         "Wind towards +x"},
-    {SimLayer::wind_y,        "wind_y",        "m/s", LayerType::real,  SimRole::working,   std::nullopt,         "Wind towards +y"},
-    {SimLayer::wind_shadow,   "wind_shadow",   "",    LayerType::real,  SimRole::working,   std::nullopt,         "Shelter from the wind, 0 to 1"},
-    {SimLayer::echo,          "echo",          "",    LayerType::real,  SimRole::working,   std::nullopt,         "Above 0: sticky fraction; below 0: erosion; 0: neither"},
-    {SimLayer::bounce,        "bounce",        "m/s", LayerType::real,  SimRole::working,   std::nullopt,         "Sand that bounced, as thickness per second"},
-    {SimLayer::repose,        "repose",        "m/m", LayerType::real,  SimRole::working,   std::nullopt,         "Tangent of the angle of repose of sand"},
-    {SimLayer::moved_a,       "moved_a",       "m",   LayerType::ticks, SimRole::working,   std::nullopt,         "Amount that a pass hands to the next, first plane"},
-    {SimLayer::moved_b,       "moved_b",       "m",   LayerType::ticks, SimRole::working,   std::nullopt,         "Amount that a pass hands to the next, second plane"},
+    {SimLayer::bedrock,       "bedrock",       "m",   LayerType::ticks, SimRole::conserved, Outside::as_edge, Mirror::even,  Layer::bedrock,       "Height of the rock surface above the datum"},
+    {SimLayer::soil,          "soil",          "m",   LayerType::ticks, SimRole::conserved, Outside::as_edge, Mirror::even,  Layer::soil,          "Thickness of soil on the rock"},
+    {SimLayer::sand,          "sand",          "m",   LayerType::ticks, SimRole::conserved, Outside::as_edge, Mirror::even,  Layer::sand,          "Thickness of loose sand on the soil"},
+    {SimLayer::water,         "water",         "m",   LayerType::ticks, SimRole::conserved, Outside::as_edge, Mirror::even,  Layer::water,         "Depth of standing or flowing water"},
+    {SimLayer::sediment,      "sediment",      "m",   LayerType::ticks, SimRole::conserved, Outside::as_edge, Mirror::even,  Layer::sediment,      "Sediment suspended in the water"},
+    {SimLayer::airborne_sand, "airborne_sand", "m",   LayerType::ticks, SimRole::conserved, Outside::nothing, Mirror::even,  Layer::airborne_sand, "Sand carried by the wind"},
+    {SimLayer::moisture,      "moisture",      "m",   LayerType::ticks, SimRole::conserved, Outside::as_edge, Mirror::even,  Layer::moisture,      "Water held by the ground"},
+    {SimLayer::mask,          "mask",          "",    LayerType::flags, SimRole::given,     Outside::as_edge, Mirror::even,  Layer::mask,          "Bits of the world's mask layer"},
+    {SimLayer::vegetation,    "vegetation",    "",    LayerType::real,  SimRole::given,     Outside::as_edge, Mirror::even,  std::nullopt,         "Density of plants, 0 to 1"},
+    {SimLayer::resistance,    "resistance",    "",    LayerType::real,  SimRole::given,     Outside::as_edge, Mirror::even,  std::nullopt,         "Resistance of bedrock to abrasion, 0 to 1"},
+    {SimLayer::object,        "object",        "",    LayerType::flags, SimRole::given,     Outside::as_edge, Mirror::even,  std::nullopt,         "1 on a solid object, else 0"},
+    {SimLayer::wind_x,        "wind_x",        "m/s", LayerType::real,  SimRole::working,   Outside::as_edge, Mirror::odd_x, std::nullopt,         "Wind towards +x"},
+    {SimLayer::wind_y,        "wind_y",        "m/s", LayerType::real,  SimRole::working,   Outside::as_edge, Mirror::odd_y, std::nullopt,         "Wind towards +y"},
+    {SimLayer::wind_shadow,   "wind_shadow",   "",    LayerType::real,  SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Shelter from the wind, 0 to 1"},
+    {SimLayer::echo,          "echo",          "",    LayerType::real,  SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Above 0: sticky fraction; below 0: erosion; 0: neither"},
+    {SimLayer::bounce,        "bounce",        "m/s", LayerType::real,  SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "Sand that bounced, as thickness per second"},
+    {SimLayer::repose,        "repose",        "m/m", LayerType::real,  SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Tangent of the angle of repose of sand"},
+    {SimLayer::surface,       "surface",       "m",   LayerType::ticks, SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Top of the material that avalanches"},
+    {SimLayer::surface_next,  "surface_next",  "m",   LayerType::ticks, SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "The same after the sweep"},
+    {SimLayer::give,          "give",          "",    LayerType::real,  SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "Share of each excess that a cell gives"},
+    {SimLayer::paths,         "paths",         "",    LayerType::flags, SimRole::working,   Outside::nothing, Mirror::directions, std::nullopt,         "Directions in which all links of a path are too steep"},
+    {SimLayer::paths_next,    "paths_next",    "",    LayerType::flags, SimRole::working,   Outside::nothing, Mirror::directions, std::nullopt,         "The same while paths are doubled"},
 }};
 // clang-format on
 

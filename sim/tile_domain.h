@@ -1,0 +1,136 @@
+#pragma once
+
+#include "sim/exchange_plan.h"
+#include "sim/pass.h"
+#include "sim/sim_layers.h"
+#include "sim/slab_view.h"
+#include "world/field.h"
+#include "world/memory.h"
+#include "world/result.h"
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+/// The resident tiles that a simulation advances: for every layer one slab of memory, tile after tile, each tile its
+/// owned cells with `halo` cells around them. Kernels get a SlabView and run over all tiles in one launch.
+///
+///     slab of a layer   | slot 0: rows -h .. n+h-1 | slot 1 | slot 2 | ...      rows start on a cache line
+///
+/// Of every layer the domain knows how many halo cells are valid: equal to what the neighbours own. A load or a pass
+/// sets it, an exchange restores it to the whole halo. Fresh memory is poison (0x7FA00000: a signalling NaN, and as
+/// ticks 2^31 nearly) in every build, so that a halo read too far shows.
+namespace sahel {
+
+inline constexpr uint32_t k_poison = 0x7FA00000u;
+inline constexpr int32_t k_nothing_valid = -1;
+
+using HaloState =
+    std::array<int32_t, k_sim_layer_count>; ///< valid halo cells of each layer; k_nothing_valid: none at all
+
+class TileDomain {
+  public:
+    /// Errors: budget (the pool's limit), usage (a halo wider than a tile). `pool` may be CUDA memory.
+    static Result<TileDomain> create(TileLayout layout, SimLayerSet layers, MemoryPool& pool = MemoryPool::host());
+    /// The bytes that create takes for slabs, exactly.
+    static uint64_t slab_bytes(const TileLayout& layout, SimLayerSet layers);
+
+    [[nodiscard]] const TileLayout& layout() const { return layout_; }
+    [[nodiscard]] const ExchangePlan& plan() const { return plan_; }
+    [[nodiscard]] int32_t slots() const { return static_cast<int32_t>(layout_.tiles.size()); }
+    [[nodiscard]] int32_t tile_cells() const { return layout_.tile_cells; }
+    [[nodiscard]] int32_t halo() const { return layout_.halo; }
+    [[nodiscard]] SimLayerSet layers() const { return layers_; }
+    [[nodiscard]] bool on_device() const { return device_; }
+    [[nodiscard]] CellPlaces places() const;
+    [[nodiscard]] int64_t owned_cells() const { return int64_t{slots()} * tile_cells() * tile_cells(); }
+
+    [[nodiscard]] SlabView<int32_t> ints(SimLayer layer) { return view<int32_t>(layer); }
+    [[nodiscard]] SlabView<const int32_t> ints(SimLayer layer) const { return view<int32_t>(layer); }
+    [[nodiscard]] SlabView<float> reals(SimLayer layer) { return view<float>(layer); }
+    [[nodiscard]] SlabView<const float> reals(SimLayer layer) const { return view<float>(layer); }
+    /// The words of a layer, whatever they mean.
+    [[nodiscard]] SlabView<uint32_t> words(SimLayer layer) const;
+
+    /// Copies owned cells in (rows of tile_cells words) and out; works for host and device memory.
+    Status load(int32_t slot, SimLayer layer, const void* cells);
+    Status store(int32_t slot, SimLayer layer, void* cells) const;
+    /// Sets the cells of a frozen segment; rect is local, cells row by row. For tiles that are not resident.
+    Status load_frozen(int32_t slot, int direction, SimLayer layer, const void* cells);
+    /// Fills owned cells of every tile by f(world x, world y) -> int32 ticks or float.
+    template <class F> Status fill(SimLayer layer, F&& f) {
+        std::vector<uint32_t> cells(static_cast<size_t>(tile_cells()) * static_cast<size_t>(tile_cells()));
+        for (int32_t slot = 0; slot < slots(); ++slot) {
+            const TileKey key = layout_.tiles[static_cast<size_t>(slot)];
+            size_t i = 0;
+            for (int32_t y = 0; y < tile_cells(); ++y)
+                for (int32_t x = 0; x < tile_cells(); ++x)
+                    cells[i++] = __builtin_bit_cast(
+                        uint32_t, f(key.x * tile_cells() + x, key.y * tile_cells() + y)); // a 4-byte value
+            SAHEL_TRY(load(slot, layer, cells.data()));
+        }
+        return {};
+    }
+
+    [[nodiscard]] const HaloState& valid_halo() const { return valid_; }
+    [[nodiscard]] int32_t valid_halo(SimLayer layer) const { return valid_[static_cast<size_t>(layer)]; }
+    void set_valid_halo(SimLayer layer, int32_t cells);
+    /// Called when owned cells were written by other means than a pass: their halos are stale.
+    void touch(SimLayerSet layers);
+
+    /// Refreshes whole halos from their owners and fills open borders.
+    Status exchange(SimLayerSet layers);
+    /// Fills the cells beyond open and level borders; after a pass wrote the layers.
+    Status fill_edges(SimLayerSet layers);
+
+    /// The launch over owned cells and `margin` halo cells.
+    [[nodiscard]] const Launch& launch(int32_t margin, bool with_frozen, const char* name);
+    void set_order(VisitOrder order) { order_ = order; }
+    [[nodiscard]] VisitOrder order() const { return order_; }
+
+    /// Sum of owned cells of a tick layer, for each slot.
+    Result<std::vector<int64_t>> sums(SimLayer layer) const;
+    /// Hash of owned cells and their places in the world: the same for any tiling, order of tiles, machine.
+    /// 32 hexadecimal digits. (A sum over cells of a mixed word; for comparing runs, not against forgery.)
+    Result<std::string> hash(SimLayerSet layers) const;
+
+    /// How often exchange ran, and how many halo words it moved.
+    struct ExchangeCount {
+        int64_t exchanges = 0;
+        int64_t words = 0;
+    };
+    [[nodiscard]] ExchangeCount exchange_count() const { return counts_; }
+
+  private:
+    template <class T> [[nodiscard]] SlabView<T> view(SimLayer layer) const {
+        SAHEL_CHECK((info_of(layer).type == LayerType::real) == (std::is_same_v<T, float>));
+        const SlabView<uint32_t> w = words(layer);
+        return {reinterpret_cast<T*>(w.origin), w.stride, w.slot_stride, w.first, w.last};
+    }
+    struct CoverList {
+        std::vector<WorkItem> items;
+        Buffer device_items;
+        Launch launch;
+    };
+
+    TileLayout layout_;
+    ExchangePlan plan_;
+    SimLayerSet layers_;
+    bool device_ = false;
+    MemoryPool* pool_ = nullptr;
+    int64_t stride_ = 0;
+    int64_t slot_stride_ = 0;
+    std::array<Buffer, k_sim_layer_count> slabs_;
+    std::vector<int64_t> origins_;
+    Buffer device_origins_;
+    Buffer device_copies_;
+    Buffer device_fills_;
+    HaloState valid_{};
+    std::map<int32_t, CoverList> covers_;
+    VisitOrder order_ = VisitOrder::forward;
+    ExchangeCount counts_;
+};
+
+} // namespace sahel
