@@ -56,6 +56,7 @@ class ViewTileContext final : public TileContext {
     std::shared_ptr<const ViewTileContext> parent;
 
     [[nodiscard]] uint64_t bytes() const override { return sizeof(*this) + ground_m.size() * sizeof(float); }
+    static constexpr uint64_t max_bytes() { return sizeof(ViewTileContext) + sizeof(float) * k_side * k_side; }
 };
 
 class ViewTile final : public TilePayload {

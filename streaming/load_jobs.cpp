@@ -6,7 +6,7 @@
 namespace sahel {
 
 void LoadMailbox::run(LoadJob& job, uint32_t slot, uint64_t sequence, TileKey key,
-                      const std::shared_ptr<const TileContext>& parent) {
+                      std::shared_ptr<const TileContext> parent) {
     {
         const std::lock_guard lock(mutex_);
         if (closed_ || !job.begin()) return;
@@ -18,6 +18,7 @@ void LoadMailbox::run(LoadJob& job, uint32_t slot, uint64_t sequence, TileKey ke
     } catch (const std::exception& e) {
         done.result = Error{ErrorKind::io, std::string("loading a tile threw: ") + e.what()};
     }
+    parent.reset(); // whoever sees the result must not find its parent held for a moment more
     const std::lock_guard lock(mutex_);
     --running_;
     done_.push_back(std::move(done));
@@ -34,9 +35,16 @@ void LoadMailbox::take(std::vector<Completion>& arrived) {
               [](const Completion& a, const Completion& b) { return a.sequence < b.sequence; });
 }
 
-void LoadMailbox::wait(std::chrono::milliseconds timeout) {
+void LoadMailbox::take_one(std::vector<Completion>& arrived, uint64_t sequence) {
+    arrived.clear();
     std::unique_lock lock(mutex_);
-    changed_.wait_for(lock, timeout, [this] { return !done_.empty(); });
+    auto found = done_.end();
+    changed_.wait(lock, [&] {
+        found = std::find_if(done_.begin(), done_.end(), [&](const Completion& c) { return c.sequence == sequence; });
+        return found != done_.end();
+    });
+    arrived.push_back(std::move(*found));
+    done_.erase(found);
 }
 
 void LoadMailbox::close() {

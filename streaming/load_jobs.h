@@ -3,7 +3,6 @@
 #include "streaming/streamer.h"
 
 #include <atomic>
-#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <memory>
@@ -44,12 +43,11 @@ class LoadMailbox {
     explicit LoadMailbox(Load load) : load_(std::move(load)) {}
 
     /// Any worker thread.
-    void run(LoadJob& job, uint32_t slot, uint64_t sequence, TileKey key,
-             const std::shared_ptr<const TileContext>& parent);
+    void run(LoadJob& job, uint32_t slot, uint64_t sequence, TileKey key, std::shared_ptr<const TileContext> parent);
     /// Owner: what has arrived, in the order of the requests whatever order the workers finished in.
     void take(std::vector<Completion>& arrived);
-    /// Owner: until something has arrived, or the time is over.
-    void wait(std::chrono::milliseconds timeout);
+    /// Owner: waits for this load and takes it alone.
+    void take_one(std::vector<Completion>& arrived, uint64_t sequence);
     /// Owner: jobs that have not begun will not; returns when none is running.
     void close();
 

@@ -6,11 +6,14 @@
 namespace sahel {
 
 void TileStreamer::Impl::take_arrived() {
-    mailbox->take(arrived);
+    if (!lockstep)
+        mailbox->take(arrived);
+    else if (awaited != 0)
+        mailbox->take_one(arrived, awaited);
     for (Completion& c : arrived) {
         const uint32_t slot = c.slot;
         SAHEL_CHECK_EQ(pool.sequence[slot], c.sequence); // a load that began keeps its slot
-        --loads_in_flight;
+        landed(c.sequence);
         pool.job[slot].reset();
         if (!c.result.ok()) {
             in_flight_bytes -= externals.max_payload_bytes;
@@ -86,15 +89,21 @@ void TileStreamer::Impl::publish_loaded() {
     loaded_slots.erase(loaded_slots.begin(), loaded_slots.begin() + static_cast<std::ptrdiff_t>(taken));
 }
 
+void TileStreamer::Impl::landed(uint64_t sequence) {
+    const auto found = std::find(in_flight.begin(), in_flight.end(), sequence);
+    SAHEL_CHECK(found != in_flight.end());
+    in_flight.erase(found);
+}
+
 /// Whether the worst that one more load can bring stays within the budgets.
 bool TileStreamer::Impl::load_fits() const {
-    return loads_in_flight < settings.max_loads_in_flight &&
+    return loads_in_flight() < settings.max_loads_in_flight &&
            in_flight_bytes + externals.max_payload_bytes <= static_cast<uint64_t>(settings.in_flight_mib) << 20;
 }
 
 bool TileStreamer::Impl::context_fits() const {
     if (externals.max_context_bytes == 0) return true;
-    const auto coming = static_cast<uint64_t>(loads_in_flight) + loaded_slots.size() + 1;
+    const auto coming = in_flight.size() + loaded_slots.size() + 1;
     return contexts.bytes() + coming * externals.max_context_bytes <= static_cast<uint64_t>(settings.context_mib) << 20;
 }
 
@@ -110,14 +119,15 @@ void TileStreamer::Impl::start(uint32_t slot) {
     const bool passing = parent != k_no_slot && may_reload(parent);
     pool.load_epoch[slot] = passing ? 0 : pool.wanted_epoch[slot];
     in_flight_bytes += externals.max_payload_bytes;
-    ++loads_in_flight;
+    in_flight.push_back(sequence);
     if (recording) requests.push_back(pool.key[slot]);
     std::shared_ptr<const TileContext> context = parent == k_no_slot ? nullptr : pool.context[parent];
     const auto job = std::make_shared<LoadJob>();
     pool.job[slot] = job;
-    externals.submit([box = mailbox, job, slot, sequence, key = pool.key[slot], context = std::move(context)] {
-        box->run(*job, slot, sequence, key, context);
-    });
+    externals.submit(
+        [box = mailbox, job, slot, sequence, key = pool.key[slot], context = std::move(context)]() mutable {
+            box->run(*job, slot, sequence, key, std::move(context));
+        });
 }
 
 /// False when a budget is used up.

@@ -5,9 +5,27 @@
 
 namespace sahel {
 
+/// What the view that is still drawn shows: right after the roots of the new one, so that it stays whole.
+void TileStreamer::Impl::collect_shown(size_t from) {
+    for (size_t i = 0; i < from; ++i)
+        if (wants[i].slot != k_no_slot) pool.listed_frame[wants[i].slot] = stats.frame;
+    selector.collect(shown, pool, true, wants);
+    const auto is_needless = [&](const Want& w) {
+        return !pool.is_resident(w.slot) || pool.listed_frame[w.slot] == stats.frame;
+    };
+    wants.erase(std::remove_if(wants.begin() + static_cast<std::ptrdiff_t>(from), wants.end(), is_needless),
+                wants.end());
+    constexpr float k_after_roots = 1e6f; // of both views
+    for (size_t i = from; i < wants.size(); ++i) {
+        wants[i].group = WantGroup::urgent;
+        wants[i].cost += (wants[i].key.level == settings.root_level ? 1.0f : 2.0f) * k_after_roots;
+    }
+}
+
 void TileStreamer::Impl::collect_wants() {
     wants.clear();
     selector.collect(view, pool, false, wants);
+    if (has_shown && count_missing_roots(true) > 0) collect_shown(wants.size());
     const auto& v = view.velocity_m_per_s;
     const auto ahead_s = static_cast<double>(settings.prefetch_s);
     const double ahead_m = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) * ahead_s;
@@ -56,9 +74,9 @@ void TileStreamer::Impl::release(uint32_t slot) {
 
 /// Gives up a load that no worker has begun: its reservations are free at once.
 bool TileStreamer::Impl::abandon(uint32_t slot) {
-    if (!pool.job[slot] || !pool.job[slot]->abandon()) return false;
+    if (lockstep || !pool.job[slot] || !pool.job[slot]->abandon()) return false;
     pool.job[slot].reset();
-    --loads_in_flight;
+    landed(pool.sequence[slot]);
     in_flight_bytes -= externals.max_payload_bytes;
     ++stats.abandoned_total;
     return true;

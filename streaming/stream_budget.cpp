@@ -12,15 +12,16 @@ Status check_stream(const StreamSettings& settings, const StreamExternals& exter
     const auto mib_for = [](uint64_t bytes) { return std::to_string((bytes + (1u << 20) - 1) >> 20); };
     const uint64_t mib = 1u << 20;
     const int across = 2 * settings.root_radius + 2; // with those that come next
-    if (across * across > settings.slots)
-        return refuse("slots must be at least " + std::to_string(across * across) + " for root_radius " +
+    const int roots = 2 * across * across;           // and those of the view before a jump
+    if (roots > settings.slots)
+        return refuse("slots must be at least " + std::to_string(roots) + " for root_radius " +
                       std::to_string(settings.root_radius));
     const uint64_t payload = externals.max_payload_bytes, context = externals.max_context_bytes;
     if (payload > static_cast<uint64_t>(settings.in_flight_mib) * mib)
         return refuse("in_flight_mib must be at least " + mib_for(payload) + ", the size of one tile");
     if (payload > static_cast<uint64_t>(settings.publish_mib_per_frame) * mib)
         return refuse("publish_mib_per_frame must be at least " + mib_for(payload) + ", the size of one tile");
-    const uint64_t contexts = 2 * context * static_cast<uint64_t>(across * across);
+    const uint64_t contexts = 2 * context * static_cast<uint64_t>(roots);
     if (contexts > static_cast<uint64_t>(settings.context_mib) * mib)
         return refuse("context_mib must be at least " + mib_for(contexts) + " for the roots");
     if (!(externals.cell_m > 0.0) || !std::isfinite(externals.cell_m)) return refuse("cell_m must be positive");

@@ -113,7 +113,7 @@ struct StreamSettings {
 
 // clang-format off
 template <> inline constexpr auto fields_of<StreamSettings> = std::tuple{
-    Field{&StreamSettings::slots,                "slots",                "",    16,   65536,   "Tiles that may be resident"},
+    Field{&StreamSettings::slots,                "slots",                "",    8,    65536,   "Tiles that may be resident"},
     Field{&StreamSettings::lod_factor,           "lod_factor",           "",    1.5f, 6.0f,    "A square is refined nearer than this many of its sides"},
     Field{&StreamSettings::root_level,           "root_level",           "",    0,    20,      "Level of the coarsest tiles, always kept around the eye"},
     Field{&StreamSettings::root_radius,          "root_radius",          "",    0,    4,       "Root tiles in each direction around the eye's own"},
@@ -178,7 +178,8 @@ struct StreamStats {
     int unplaced = 0;                    ///< within the budgets, but their slots are not free yet
     int visible = 0;
     int fallbacks = 0;     ///< quadrants drawn from a tile although they want its child
-    int missing_roots = 0; ///< roots that should be drawn and are not here: only there the ground has holes
+    int missing_roots = 0; ///< roots that the view asked for needs and that are not here
+    bool held = false;     ///< for them, the last view whose ground was there is drawn; else the ground has holes there
     int loads_in_flight = 0;
     int published = 0, evicted = 0, dropped = 0; ///< this frame
     int64_t published_total = 0, evicted_total = 0, failed_total = 0;
@@ -195,6 +196,9 @@ struct StreamStats {
 struct FrameResult {
     std::span<const VisibleTile> visible; ///< front to back; valid until the next update
     const StreamStats& stats;
+    /// What to draw: the view asked for, or, while its ground has yet to come (after a jump), the last one whose ground
+    /// was there. Only before the first view is complete, and where roots cannot be loaded, is there less to draw.
+    const ViewState& view;
 };
 
 /// One row of the tile map.
@@ -214,11 +218,14 @@ class TileStreamer {
 
     /// One frame: takes what was loaded, hands over within the budgets, asks for what is missing, says what to draw.
     FrameResult update(const ViewState& view, double dt_s);
+    /// What the last update or settle gave.
+    [[nodiscard]] FrameResult frame() const;
     /// Everything the last view needs to be drawn as it should be (within the slots there are) is there, up to date and
     /// faded in: no parent stands in for a child that could come. What is then visible depends on the view alone.
     [[nodiscard]] bool ready() const;
     /// Updates until ready, waiting for loads in between; the streamer's clock runs ahead over fades and retries.
-    /// False when nothing more can come and something is missing (a tile failed for good).
+    /// False when nothing more can come and something is missing (a tile failed for good). A path of settled views
+    /// starts the same loads in the same order for any number and speed of workers; jobs must run without the owner.
     bool settle(const ViewState& view);
 
     /// The tile's data changed: load it again (and nothing else). A failed tile gets a new chance. Unknown keys are

@@ -48,9 +48,14 @@ FrameResult TileStreamer::update(const ViewState& view, double dt_s) {
     s.take_arrived();
     s.publish_loaded();
     s.start_loads();
+    s.choose_shown();
     s.select_visible();
     s.count();
-    return {s.visible, s.stats};
+    return frame();
+}
+
+FrameResult TileStreamer::frame() const {
+    return {impl_->visible, impl_->stats, impl_->shown};
 }
 
 bool TileStreamer::ready() const {
@@ -59,21 +64,33 @@ bool TileStreamer::ready() const {
 
 bool TileStreamer::settle(const ViewState& view) {
     Impl& s = *impl_;
+    s.lockstep = true;
+    const bool settled = s.settle(*this, view);
+    s.lockstep = false;
+    s.awaited = 0;
+    return settled;
+}
+
+/// In lockstep: every update but the first takes the oldest load alone, however many have arrived. So what is started
+/// after it depends on nothing but the requests before it.
+bool TileStreamer::Impl::settle(TileStreamer& self, const ViewState& wanted) {
     double dt_s = 0.0;
+    auto left_from_before = in_flight.size(); // taken first: what was started ahead must get on, too
+    awaited = 0;
     for (int idle = 0; idle < 4;) { // a frame that starts what was waiting is not idle
-        update(view, dt_s);
-        if (s.is_ready) return true;
-        if (!s.may_progress) return false;
-        idle = s.loads_in_flight > 0 || !s.loaded_slots.empty() ? 0 : idle + 1;
-        dt_s = static_cast<double>(s.settings.fade_s); // what has appeared has eased in by the next frame
-        if (s.loads_in_flight > 0) {
-            if (s.loaded_slots.empty()) s.mailbox->wait(std::chrono::milliseconds(50));
-        } else if (s.loaded_slots.empty()) { // only retries are left: go to the first of them
+        self.update(wanted, dt_s);
+        if (is_ready && left_from_before == 0) return true;
+        if (!may_progress) return false;
+        left_from_before -= left_from_before > 0 ? 1 : 0;
+        idle = in_flight.empty() && loaded_slots.empty() ? idle + 1 : 0;
+        dt_s = static_cast<double>(settings.fade_s); // what has appeared has eased in by the next frame
+        awaited = in_flight.empty() ? 0 : in_flight.front();
+        if (in_flight.empty() && loaded_slots.empty()) { // only retries are left: go to the first of them
             double next_s = std::numeric_limits<double>::infinity();
-            for (const uint32_t slot : s.wanted_slots)
-                if (s.pool.state(slot) == NodeState::retry_later || (s.pool.is_resident(slot) && s.may_reload(slot)))
-                    next_s = std::min(next_s, s.pool.retry_s[slot]);
-            if (std::isfinite(next_s)) dt_s = std::max(dt_s, next_s - s.time_s);
+            for (const uint32_t slot : wanted_slots)
+                if (pool.state(slot) == NodeState::retry_later || (pool.is_resident(slot) && may_reload(slot)))
+                    next_s = std::min(next_s, pool.retry_s[slot]);
+            if (std::isfinite(next_s)) dt_s = std::max(dt_s, next_s - time_s);
         }
     }
     return false;

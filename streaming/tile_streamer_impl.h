@@ -12,7 +12,8 @@
 ///     loading.cpp     take_arrived    what workers brought
 ///                     publish_loaded  within the publish budgets
 ///                     start_loads     within the load budgets
-///     visible.cpp     select_visible  what to draw, from what is there
+///     visible.cpp     choose_shown    the view asked for, once its ground is there
+///                     select_visible  what to draw, from what is there
 ///                     count           statistics, readiness
 namespace sahel {
 
@@ -27,7 +28,10 @@ struct TileStreamer::Impl {
     std::shared_ptr<LoadMailbox> mailbox;
 
     // This frame.
-    ViewState view;
+    ViewState view;  ///< asked for
+    ViewState shown; ///< drawn: the same, or the last one whose ground was there
+    bool has_shown = false;
+    bool is_held = false; ///< shown is not view
     double time_s = 0.0;
     StreamStats stats;
     std::vector<Want> wants;
@@ -47,13 +51,17 @@ struct TileStreamer::Impl {
     uint64_t epoch = 1; ///< counts invalidations
     uint64_t in_flight_bytes = 0;
     uint64_t payload_bytes = 0;
-    int loads_in_flight = 0;
+    std::vector<uint64_t> in_flight; ///< sequences of the loads that are under way, oldest first
+    bool lockstep = false;           ///< settle: no decision depends on how fast the workers are
+    uint64_t awaited = 0;            ///< lockstep: the load to take this frame, 0 none
     int starts_since_reload = 0;
     int dirty_tiles = 0;
     bool recording = false;
     std::vector<TileKey> requests;
 
     void collect_wants();
+    void collect_shown(size_t from);
+    [[nodiscard]] int count_missing_roots(bool may_come) const;
     void place_wants();
     void drop_unwanted();
     bool make_room(WantGroup group);
@@ -74,10 +82,14 @@ struct TileStreamer::Impl {
         return is_stale(slot) && pool.attempts[slot] < settings.max_attempts;
     }
 
+    void choose_shown();
     void select_visible();
     void visit(uint32_t slot, const Frustum& frustum);
     void count();
+    bool settle(TileStreamer& self, const ViewState& wanted);
 
+    [[nodiscard]] int loads_in_flight() const { return static_cast<int>(in_flight.size()); }
+    void landed(uint64_t sequence);
     [[nodiscard]] bool wanted_now(uint32_t slot) const { return pool.wanted_frame[slot] == stats.frame; }
     void release(uint32_t slot);
 };

@@ -37,6 +37,8 @@ Result<std::unique_ptr<ViewSession>> ViewSession::create(const SurfaceSource& su
     StreamExternals externals;
     externals.cell_m = surface.cell_m();
     externals.max_payload_bytes = view_tile_max_bytes();
+    externals.max_context_bytes = ViewTileContext::max_bytes();
+    externals.slot_bytes = Renderer::slot_bytes();
     externals.load = [&surface, shared = session->shared_](
                          TileKey key,
                          const std::shared_ptr<const TileContext>& parent) -> Result<std::unique_ptr<TilePayload>> {
@@ -78,14 +80,17 @@ Status ViewSession::render_settled(FrameDesc frame) {
         const std::string why = last_load_error();
         return Error{ErrorKind::io, why.empty() ? "some tiles of the view could not be loaded" : why};
     }
-    renderer_->render(frame, streamer_->update(frame.view, 0.0).visible);
+    last_shown_ = frame;
+    renderer_->render(frame, streamer_->frame().visible);
     return {};
 }
 
 void ViewSession::render_now(FrameDesc frame, double dt_s, const ViewState* lod_view) {
     complete(frame);
     last_view_ = frame.view;
-    renderer_->render(frame, streamer_->update(lod_view ? *lod_view : frame.view, dt_s).visible);
+    const FrameResult result = streamer_->update(lod_view ? *lod_view : frame.view, dt_s);
+    if (!result.stats.held) last_shown_ = frame; // after a jump the last picture stays until there is ground to show
+    renderer_->render(last_shown_, result.visible);
 }
 
 void ViewSession::set_atmosphere(const Atmosphere& atmosphere) {

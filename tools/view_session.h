@@ -57,6 +57,7 @@ class ViewSession {
 
     GroundSampler lod_ground_;
     ViewState last_view_;
+    FrameDesc last_shown_;
     std::shared_ptr<Shared> shared_; ///< what workers read
     std::unique_ptr<Renderer> renderer_;
     std::unique_ptr<WorkerPool> workers_;

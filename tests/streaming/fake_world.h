@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <mutex>
+#include <set>
 #include <vector>
 
 /// A world of numbers for the streamer: payloads without pictures, workers that run when told to, a clock that stands
@@ -69,6 +71,8 @@ class FakeWorld {
         bool run_at_once = false;   ///< jobs run inside submit, as if workers were infinitely fast
         bool last_first = false;    ///< jobs that are due run in the other order
         uint64_t salt = 1;
+        std::function<void(TileKey)> on_load; ///< runs first in every load, on its thread; may throw
+        std::function<double()> now_s;        ///< clock of the publish budget; empty: time costs nothing
         /// Replaces submit, for real workers; `failures_per_mille` and versions still apply.
         std::function<void(std::function<void()>)> submit;
     };
@@ -77,7 +81,7 @@ class FakeWorld {
     FakeWorld(const FakeWorld&) = delete;
     FakeWorld& operator=(const FakeWorld&) = delete;
 
-    /// Runs the jobs that are due, then one frame.
+    /// Runs the jobs that are due, then one frame, and audits it.
     FrameResult frame(const ViewState& view, double dt_s = 1.0 / 60.0);
     TileStreamer& streamer() { return *streamer_; }
     [[nodiscard]] const StreamSettings& settings() const { return options_.settings; }
@@ -94,9 +98,16 @@ class FakeWorld {
     /// Keys that fail whatever the attempt, with this kind.
     void break_key(TileKey key, ErrorKind kind);
     void mend_all();
+    /// Its last load failed.
+    [[nodiscard]] bool is_failing(TileKey key);
+    [[nodiscard]] bool has_shown() const { return has_shown_; }
     /// Loads see this from now on.
     void set_version(uint64_t v) { version_ = v; }
+    [[nodiscard]] bool is_threaded() const { return static_cast<bool>(options_.submit); }
+    /// Waits until the streamer has settled on the view, and audits what is drawn.
+    bool settle(const ViewState& view);
     std::function<bool(TileKey)> on_commit;
+    std::function<void(TileKey)> on_publish;
 
   private:
     struct Job {
@@ -113,6 +124,8 @@ class FakeWorld {
     std::mutex mutex_; ///< guards attempts_ and broken_: loads may run on real workers
     std::map<TileKey, int> attempts_;
     std::map<TileKey, ErrorKind> broken_;
+    std::set<TileKey> failing_;
+    bool has_shown_ = false; ///< a frame before this one had all its ground
     std::atomic<uint64_t> version_{1};
     std::atomic<int64_t> loads_{0};
     std::vector<Job> jobs_;
@@ -126,9 +139,9 @@ class FakeWorld {
     std::unique_ptr<TileStreamer> streamer_;
 };
 
-/// Holes, overlaps, handles, budgets of one frame; adds gtest failures. Coverage is checked in integers on the
-/// quadrants inside the roots, what is not drawn by an independent look through the frustum.
-void audit(FakeWorld& world, const ViewState& view, const FrameResult& frame);
+/// Holes, overlaps, handles, budgets of one frame; adds gtest failures. FakeWorld::frame calls it. Coverage is checked
+/// in integers on the quadrants inside the roots, what is not drawn by an independent look through the frustum.
+void audit(FakeWorld& world, const ViewState& asked, const FrameResult& frame);
 
 /// Greatest difference of levels between neighbours that are drawn.
 int greatest_level_step(std::span<const VisibleTile> visible);
