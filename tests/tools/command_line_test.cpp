@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -104,6 +105,23 @@ TEST_F(CommandLine, VerifyFindsAFileThatDoesNotBelong) {
     const Outcome verify = run("verify " + world());
     EXPECT_EQ(verify.exit_code, 1) << verify.output;
     EXPECT_NE(verify.output.find("stray.exr"), std::string::npos) << verify.output;
+}
+
+TEST_F(CommandLine, BenchNamesTheMachineAndHashesItsResults) {
+    const std::string json = (folder_ / "bench.json").string();
+    const std::string call =
+        "bench --size 64 --filter 'terrain/wetland/level_0$|streaming/update/lod_factor_2' --json ";
+    const Outcome a = run(call + json);
+    ASSERT_EQ(a.exit_code, 0) << a.output;
+    for (const char* word : {"processor", "triad_one_core_gb_per_s", "Mcells/s", "p99_ms", "wetland/level_0"})
+        EXPECT_NE(a.output.find(word), std::string::npos) << word;
+    std::ifstream in(json);
+    const std::string text((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    EXPECT_NE(text.find("\"processor\""), std::string::npos);
+    EXPECT_NE(text.find("terrain/wetland/level_0"), std::string::npos);
+    EXPECT_FALSE(fs::exists(json + ".part"));
+    EXPECT_EQ(run("bench --filter nothing-is-called-so").exit_code, 2);
+    EXPECT_EQ(run("bench --filter nothing --json /nowhere/at/all.json").exit_code, 1);
 }
 
 } // namespace
