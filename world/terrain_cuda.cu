@@ -122,7 +122,7 @@ struct DetailKernel {
     __device__ void operator()(int32_t x, int32_t y) const {
         float scratch[k_row_scratch];
         isa_cuda::detail_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, p.land.at(0, x, y - 1),
-                             p.land.at(0, x, y + 1), p.dune, p.canyon, p.base_row(x, y, scratch));
+                             p.land.at(0, x, y + 1), p.dune, p.canyon, p.l.has_spline(), p.base_row(x, y, scratch));
     }
 };
 struct SharpenKernel {
@@ -271,14 +271,12 @@ Status read_terrain_cuda(const TerrainTables& t, int32_t level, float stretch, L
             p.mid = {static_cast<float*>(mid.data()), mids, p.l.mid_x.count};
             p.sharp_mid = {static_cast<float*>(sharp_mid.data()), mids, p.l.mid_x.count};
 
-            const float limit_m = p.l.sum_limit_m();
             const int32_t sum_columns = p.l.sum_x.count, sum_rows = p.l.sum_y.count;
             SAHEL_TRY(cuda::for_each_cell("world/terrain_sums", {0, 0, sum_columns, sum_rows},
-                                          CoarseSumKernel{p, {limit_m, k_all_octaves.max_m, true, true}}));
+                                          CoarseSumKernel{p, coarse_range(p.l)}));
             SAHEL_TRY(cuda::for_each_cell("world/terrain_sharpen_sums", {1, 1, sum_columns - 1, sum_rows - 1},
                                           SharpenSumKernel{p}));
-            SAHEL_TRY(cuda::for_each_cell("world/terrain_base", {0, 0, columns, rows},
-                                          BaseKernel{p, {0.0f, limit_m, false, t.warp_x[1].lattice.size_m < limit_m}}));
+            SAHEL_TRY(cuda::for_each_cell("world/terrain_base", {0, 0, columns, rows}, BaseKernel{p, node_range(p.l)}));
             SAHEL_TRY(cuda::for_each_cell("world/terrain_detail", {1, 1, columns - 1, rows - 1}, DetailKernel{p}));
             if (p.l.has_spline())
                 SAHEL_TRY(

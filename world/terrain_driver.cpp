@@ -19,7 +19,7 @@ struct PieceSize {
 };
 PieceSize piece_size(int32_t level) {
     if (level <= 2) return {256, 256};
-    return level == 3 ? PieceSize{256, 64} : PieceSize{126, 62};
+    return level == 3 ? PieceSize{256, 64} : PieceSize{254, 62};
 }
 constexpr int32_t k_vector = 8;
 constexpr int k_padding = 32; // whole intervals of a spline, vectors
@@ -103,7 +103,6 @@ class Piece {
     [[nodiscard]] float* node_row(NodeField f, int32_t y, int32_t x = 0) const {
         return w_.node[index_of(f)].data() + static_cast<size_t>(y) * stride_ + static_cast<size_t>(x);
     }
-    [[nodiscard]] bool warp_at_nodes() const { return t_.warp_x[1].lattice.size_m < l_.sum_limit_m(); }
     void coarse_sums();
     /// Splines the coarse sums to a row of nodes.
     void sums_at_nodes(int32_t y) const;
@@ -134,7 +133,7 @@ BaseRow Piece::base_row(int32_t y, int32_t x) const {
 
 void Piece::coarse_sums() {
     const int32_t columns = l_.sum_x.count, rows = l_.sum_y.count;
-    const SumRange range{l_.sum_limit_m(), k_all_octaves.max_m, true, true};
+    const SumRange range = coarse_range(l_);
     BaseRow row{};
     for (size_t i = 0; i < w_.scratch.size(); ++i) row.scratch[i] = w_.scratch[i].data();
     for (int32_t y = 0; y < rows; ++y) {
@@ -184,7 +183,7 @@ void Piece::nodes() {
             w_.near.push_back(site);
     }
     need_.lake = !w_.near.empty();
-    const SumRange range{0.0f, l_.sum_limit_m(), false, warp_at_nodes()};
+    const SumRange range = node_range(l_);
     for (int32_t y = 0; y < rows; ++y) {
         const BaseRow row = base_row(y);
         sums_at_nodes(y);
@@ -201,7 +200,7 @@ void Piece::nodes() {
     }
     for (int32_t y = 1; y + 1 < rows; ++y)
         k_.detail(t_, l_.node_row(y, 1), whole_vectors(columns - 2), l_.node_m, base_row(y - 1, 1).height,
-                  base_row(y + 1, 1).height, need_.dune, need_.canyon, base_row(y, 1));
+                  base_row(y + 1, 1).height, need_.dune, need_.canyon, l_.has_spline(), base_row(y, 1));
     if (!l_.has_spline()) return;
     for (int32_t y = 2; y + 2 < rows; ++y)
         k_.sharpen(node_row(NodeField::height, y - 1, 2), node_row(NodeField::height, y, 2),

@@ -46,7 +46,7 @@ Land land_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t x, i
     for (float*& field : row.field) field = to++;
     for (float*& scratch : row.scratch) scratch = to++;
     const SampleRow sample{x, y, 32, 0};
-    kernels.sums(t, sample, 1, 16.0f, k_all_octaves, row);
+    kernels.sums(t, sample, 1, 16.0f, SumRange{}, row);
     kernels.base(t, sample, 1, 16.0f, row);
     return {*row.sum[static_cast<int>(SumField::relief)], *row.field[static_cast<int>(NodeField::canyon)],
             *row.sum[static_cast<int>(SumField::continent)], *row.height};

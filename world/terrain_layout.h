@@ -1,7 +1,7 @@
 #pragma once
 
 #include "world/macros.h"
-#include "world/noise.h"
+#include "world/terrain_rows.h"
 #include "world/tile_key.h"
 
 #include <cstdint>
@@ -35,8 +35,11 @@ struct TerrainLayout {
 
     SAHEL_HD bool has_spline() const { return cells_per_node > 1; }
     SAHEL_HD bool has_mid_spline() const { return cells_per_mid > 1; }
-    /// Octaves of at least this size are summed at every fourth node: some six samples each.
-    SAHEL_HD float sum_limit_m() const { return (level < 6 ? 24.0f : 64.0f) * node_m; }
+    /// Octaves of at least this size are summed at every fourth node: some six samples each, and more where they have
+    /// ridges that would lose their edge.
+    SAHEL_HD float sum_limit_m() const { return (level < 6 ? 24.0f : 40.0f) * node_m; }
+    SAHEL_HD float ridged_sum_limit_m() const { return (level < 6 ? 24.0f : 64.0f) * node_m; }
+    SAHEL_HD float warp_limit_m() const { return 24.0f * node_m; }
     SAHEL_HD float sum_offset() const { return node_shift_half_m != 0 ? 0.5f : 0.0f; }
     [[nodiscard]] SAHEL_HD SampleRow sum_row(int32_t y, int32_t x = 0) const {
         const int64_t half_m = k_nodes_per_sum * node_half_m;
@@ -109,6 +112,23 @@ inline TerrainLayout make_terrain_layout(const CellRect& rect, int32_t level) {
     l.sum_y = sum_axis(l.node_y);
     if (l.has_mid_spline()) l.mid_m = static_cast<float>(k_mid_spacing_m);
     return l;
+}
+
+inline SumRange coarse_range(const TerrainLayout& l) {
+    SumRange range;
+    range.smooth.min_m = l.sum_limit_m();
+    range.ridged.min_m = l.ridged_sum_limit_m();
+    range.warp.min_m = l.warp_limit_m();
+    return range;
+}
+/// What is left for the nodes.
+inline SumRange node_range(const TerrainLayout& l) {
+    SumRange range;
+    range.smooth.max_m = l.sum_limit_m();
+    range.ridged.max_m = l.ridged_sum_limit_m();
+    range.warp.max_m = l.warp_limit_m();
+    range.start = false;
+    return range;
 }
 
 /// One axis of a spline: sample `i` between lattice elements `at` .. `at + 3` (of an array that starts at `first`).

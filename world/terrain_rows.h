@@ -23,13 +23,17 @@ namespace sahel {
 
 inline constexpr int k_row_scratch = 7;
 
-/// Which octaves a call of `sums` adds: sizes in [min_m, max_m).
-struct SumRange {
-    float min_m, max_m;
-    bool start; ///< from the biases; else on top of what is there
-    bool warp;  ///< makes the warp, of all its octaves; else it is there
+/// Which octaves a call of `sums` adds, by their size.
+struct OctaveRange {
+    float min_m = 0.0f, max_m = 1e9f;
+    [[nodiscard]] SAHEL_HD bool has(float size_m) const { return size_m >= min_m && size_m < max_m; }
 };
-inline constexpr SumRange k_all_octaves{0.0f, 1e9f, true, true};
+struct SumRange {
+    OctaveRange smooth;
+    OctaveRange ridged; ///< those with edges: massifs, the line of wadis and canyons
+    OctaveRange warp;   ///< places are warped by all octaves, whichever are added
+    bool start = true;  ///< from the biases; else on top of what is there, and then the sums are whole
+};
 
 /// A row of nodes.
 struct BaseRow {
@@ -82,9 +86,10 @@ struct TerrainKernels {
     void (*base)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const BaseRow& out);
     void (*lakes)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const LakeSite* sites,
                   int site_count, const BaseRow& out);
-    /// `above` and `below` are heights of the neighbouring rows; reads heights at -1 and n.
+    /// `above` and `below` are heights of the neighbouring rows; reads heights at -1 and n. `blended`: the nodes are
+    /// no cells, so that what they carry also counts where their own weight is zero.
     void (*detail)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const float* above,
-                   const float* below, bool dunes, bool canyons, const BaseRow& out);
+                   const float* below, bool dunes, bool canyons, bool blended, const BaseRow& out);
     /// Reads `here` at -1 and n.
     void (*sharpen)(const float* above, const float* here, const float* below, int n, float* out);
     /// `weights` are the basis values of the row, `mixed` holds count + 3 floats. Writes count * per_interval samples:

@@ -12,6 +12,7 @@ SAHEL_HD float phasor_scale(const Lattice& lattice, float wavelength_m) {
 }
 
 inline constexpr float k_mountain_relief = 0.10f; ///< mountains begin above
+inline constexpr float k_canyon_sum = -0.1f;      ///< canyons begin above
 /// Share of wadis that cells of a size show: they are 60 m wide.
 SAHEL_HD float wadi_seen(float spacing_m) {
     return sstep(0.3f, 1.5f, 60.0f / spacing_m);

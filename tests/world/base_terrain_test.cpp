@@ -2,6 +2,7 @@
 
 #include "terrain_test_util.h"
 #include "world/cpu_features.h"
+#include "world/cuda_runtime.h"
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,7 @@ namespace {
 using test::count_differences;
 using test::ground_m;
 using test::hash_of;
+using test::k_terrain_layers;
 using test::read_rect;
 using test::terrain_of;
 
@@ -124,6 +126,26 @@ TEST_P(BaseTerrainPresetTest, SameBitsForEveryInstructionSet) {
             const LayerBlock base = read_rect(terrain, level, rect, 1);
             set_isa(Isa::v3);
             EXPECT_EQ(count_differences(base, read_rect(terrain, level, rect, 1)), 0) << "level " << level;
+        }
+}
+
+TEST_P(BaseTerrainPresetTest, CudaGivesTheSameBits) {
+    if (!cuda::available()) GTEST_SKIP() << "no CUDA device: " << cuda::status().why_not;
+    const BaseTerrain terrain = terrain_of(GetParam());
+    for (const int32_t level : {0, 1, 2, 3, 4, 6, 9})
+        for (const Cell place : k_places) {
+            const CellRect rect{(place.x >> level), (place.y >> level), (place.x >> level) + 203,
+                                (place.y >> level) + 61};
+            MemoryPool pool("test device", MemoryKind::cuda, 1u << 30);
+            LayerBlock device = LayerBlock::allocate(level, rect, 1, k_terrain_layers, pool).value();
+            const Status made = terrain.read(device);
+            ASSERT_TRUE(made.ok()) << made.error().message;
+            LayerBlock copy = LayerBlock::allocate(level, rect, 1, k_terrain_layers).value();
+            // The columns lie in one buffer in both memories, in the same layout.
+            const void* from = device.ints(Layer::bedrock).row(-1) - 1;
+            void* to = copy.ints(Layer::bedrock).row(-1) - 1;
+            ASSERT_TRUE(cuda::copy_to_host(to, from, copy.bytes()).ok());
+            EXPECT_EQ(count_differences(copy, read_rect(terrain, level, rect, 1)), 0) << "level " << level;
         }
 }
 
