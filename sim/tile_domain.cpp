@@ -331,4 +331,78 @@ Result<std::string> TileDomain::hash(SimLayerSet layers) const {
     return fmt::format("{:016x}{:016x}", a, b);
 }
 
+namespace {
+
+size_t conserved_index(SimLayer layer) {
+    SAHEL_CHECK(k_conserved_layers.contains(layer));
+    size_t i = 0;
+    k_conserved_layers.for_each([&](SimLayer l) { i += l < layer ? 1u : 0u; });
+    return i;
+}
+
+} // namespace
+
+Status TileDomain::keep_flows() {
+    const auto slot_count = static_cast<uint64_t>(slots());
+    const uint64_t flow_bytes = k_conserved_count * slot_count * sizeof(SlotFlows);
+    const auto zero = [&](Buffer& buffer, uint64_t bytes) -> Status {
+        if (buffer.bytes() != bytes) {
+            SAHEL_ASSIGN(buffer, Buffer::allocate(*pool_, bytes));
+        }
+        if (device_) return cuda::fill_words(static_cast<uint32_t*>(buffer.data()), static_cast<int64_t>(bytes / 4), 0);
+        std::memset(buffer.data(), 0, bytes);
+        return {};
+    };
+    SAHEL_TRY(zero(flows_, flow_bytes));
+    if (!plan_.has_frozen()) return {};
+    SAHEL_TRY(zero(inbox_, k_conserved_count * slot_count * static_cast<uint64_t>(frame().count()) * 4));
+    std::vector<uint8_t> bits(slot_count, 0);
+    for (int32_t slot = 0; slot < slots(); ++slot)
+        for (int k = 0; k < k_direction_count; ++k)
+            if (plan_.border(slot, k) == Border::frozen)
+                bits[static_cast<size_t>(slot)] |= static_cast<uint8_t>(1 << k);
+    SAHEL_ASSIGN(frozen_, Buffer::allocate(*pool_, slot_count));
+    if (device_) return cuda::copy_to_device(frozen_.data(), bits.data(), slot_count);
+    std::memcpy(frozen_.data(), bits.data(), slot_count);
+    return {};
+}
+
+BorderFlowsView TileDomain::border_flows(SimLayer layer) {
+    SAHEL_CHECK(keeps_flows());
+    const auto first = static_cast<int64_t>(conserved_index(layer)) * slots();
+    BorderFlowsView view;
+    view.frame = frame();
+    view.flows = static_cast<int64_t*>(flows_.data()) + first * k_direction_count;
+    if (inbox_.empty()) return view;
+    view.inbox = static_cast<int32_t*>(inbox_.data()) + first * view.frame.count();
+    view.frozen = static_cast<const uint8_t*>(frozen_.data());
+    return view;
+}
+
+Result<std::vector<TileDomain::SlotFlows>> TileDomain::flows(SimLayer layer) const {
+    SAHEL_CHECK(keeps_flows());
+    std::vector<SlotFlows> out(static_cast<size_t>(slots()));
+    const auto* from = static_cast<const SlotFlows*>(flows_.data()) + conserved_index(layer) * out.size();
+    if (device_) {
+        SAHEL_TRY(cuda::copy_to_host(out.data(), from, out.size() * sizeof(SlotFlows)));
+    } else {
+        std::copy(from, from + out.size(), out.begin());
+    }
+    return out;
+}
+
+Result<std::vector<int32_t>> TileDomain::inbox(int32_t slot, SimLayer layer) const {
+    std::vector<int32_t> out;
+    if (inbox_.empty()) return out;
+    out.resize(static_cast<size_t>(frame().count()));
+    const auto* from = static_cast<const int32_t*>(inbox_.data()) +
+                       (static_cast<int64_t>(conserved_index(layer)) * slots() + slot) * frame().count();
+    if (device_) {
+        SAHEL_TRY(cuda::copy_to_host(out.data(), from, out.size() * 4));
+    } else {
+        std::copy(from, from + out.size(), out.begin());
+    }
+    return out;
+}
+
 } // namespace sahel

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/border_flows.h"
 #include "sim/exchange_plan.h"
 #include "sim/pass.h"
 #include "sim/sim_layers.h"
@@ -96,6 +97,19 @@ class TileDomain {
     /// 32 hexadecimal digits. (A sum over cells of a mixed word; for comparing runs, not against forgery.)
     Result<std::string> hash(SimLayerSet layers) const;
 
+    /// From now on passes account what crosses the borders of tiles (border_flows.h), from zero.
+    Status keep_flows();
+    [[nodiscard]] bool keeps_flows() const { return !flows_.empty(); }
+    /// For the launchers of passes that move the conserved layer.
+    [[nodiscard]] BorderFlowsView border_flows(SimLayer layer);
+    /// Ticks that left each slot by each of its eight borders (came in: negative) since keep_flows.
+    using SlotFlows = std::array<int64_t, k_direction_count>;
+    [[nodiscard]] Result<std::vector<SlotFlows>> flows(SimLayer layer) const;
+    /// What frozen neighbours were given since keep_flows: ticks for each halo cell, in FrameIndex order. Empty where
+    /// nothing is frozen.
+    [[nodiscard]] Result<std::vector<int32_t>> inbox(int32_t slot, SimLayer layer) const;
+    [[nodiscard]] FrameIndex frame() const { return {tile_cells(), halo()}; }
+
     /// How often exchange ran, and how many halo words it moved.
     struct ExchangeCount {
         int64_t exchanges = 0;
@@ -131,6 +145,9 @@ class TileDomain {
     std::map<int32_t, CoverList> covers_;
     VisitOrder order_ = VisitOrder::forward;
     ExchangeCount counts_;
+    Buffer flows_;  ///< int64 [conserved layer][slot][direction]
+    Buffer inbox_;  ///< int32 [conserved layer][slot][frame cell]
+    Buffer frozen_; ///< bits of frozen directions, by slot
 };
 
 } // namespace sahel
