@@ -45,6 +45,7 @@ class TileDomain {
     [[nodiscard]] int32_t halo() const { return layout_.halo; }
     [[nodiscard]] SimLayerSet layers() const { return layers_; }
     [[nodiscard]] bool on_device() const { return device_; }
+    [[nodiscard]] MemoryPool& pool() const { return *pool_; }
     [[nodiscard]] CellPlaces places() const;
     [[nodiscard]] int64_t owned_cells() const { return int64_t{slots()} * tile_cells() * tile_cells(); }
 
