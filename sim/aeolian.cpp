@@ -119,7 +119,8 @@ Status Aeolian::step(TileDomain& domain, int64_t step) {
 
     // Solved when the step says so, never by what happened to run before: a resumed run does the same.
     const WindNow now = wind_at(step);
-    const bool fresh = !solved_ || step % desc_.wind.epoch_steps == 0 || (step > 0 && !(now == wind_at(step - 1)));
+    const bool fresh =
+        !wind_.solved() || step % desc_.wind.epoch_steps == 0 || (step > 0 && !(now == wind_at(step - 1)));
     if (fresh) SAHEL_TRY(wind_.solve(domain, now));
     stats_.max_wind_m_per_s = wind_.max_speed();
 
