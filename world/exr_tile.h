@@ -18,7 +18,7 @@ inline constexpr int k_tile_format_version = 1;
 
 enum class TileCompression { none, zips, zip, piz };
 /// Chosen by measurement, see README.md.
-inline constexpr TileCompression k_tile_compression = TileCompression::zip;
+inline constexpr TileCompression k_tile_compression = TileCompression::piz;
 
 /// The owned cells of a tile's persisted layers. Constant layers take no memory.
 struct StoredTile {
