@@ -22,8 +22,8 @@
 /// rule moves:
 ///
 ///     saltationStrength, stickyStrength    m/step      divided by the step
-///     reptationSmoothingStrength, k_r      per step    times the step (they meet a rate of bounced sand)
-///     reptationStrength                    s/m2        times the step
+///     reptationStrength                    s/m2        times the step (it meets a rate of bounced sand)
+///     reptationSmoothingStrength, k_r                  as they are
 ///     abrasionStrength                                 as it is; by amount in files of 2023, not so later
 ///     windWarpingDivisor                               its reciprocal
 ///     venturiStrength                      1/m         with heights above the datum (venturi_radius_m = 0)

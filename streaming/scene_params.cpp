@@ -54,12 +54,16 @@ void translate_sand(const SceneValues& v, Scene& scene) {
     s.echo_max_cliff_m = v.sticky_max_height;
     s.bilinear = v.bilinear;
     s.lift_rate_m_per_s = v.saltation_strength / dt;
+    s.bounce_threshold_m = oasis ? v.abrasion_threshold : 0.0f;
     s.abrasion = v.abrasion_strength;
     s.soil_abrasion = oasis ? v.soil_abrasion_strength : 0.0f;
     s.abrasion_by_amount = old;
     s.abrasion_threshold_m = v.abrasion_threshold;
-    s.reptation_smooth = old ? v.reptation_strength * dt : 0.0f;
-    s.reptation_smooth_wind_s_per_m = old ? 0.0f : v.reptation_smoothing_strength * dt;
+    const bool holds_water = oasis && v.moisture_thickness >= 1.0e-3f; // else the capacity is 0 (Oasis 1.6)
+    s.moisture_capacity_m = holds_water ? v.moisture_capacity : 0.0f;
+    s.moisture_depth_m = holds_water ? v.moisture_thickness : 1.0f;
+    s.reptation_smooth = old ? v.reptation_strength : 0.0f;
+    s.reptation_smooth_wind_s_per_m = old ? 0.0f : v.reptation_smoothing_strength;
     s.reptation_repose_s2_per_m2 = old ? 0.0f : v.reptation_strength * dt;
     s.reptation_shadowed = v.reptation_use_wind_shadow;
     s.avalanche_sweeps = v.avalanche_iterations;

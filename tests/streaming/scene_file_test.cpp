@@ -54,7 +54,8 @@ TEST(SceneFile, DunesBecomeRates) {
     EXPECT_EQ(scene->sand.soil_sweeps, 0);
     EXPECT_FALSE(scene->sand.supply);
     EXPECT_TRUE(has_note(*scene, "Backward is run forward"));
-    EXPECT_EQ(scene->notes.size(), 1u);
+    EXPECT_TRUE(has_note(*scene, "it is run in parts"));
+    EXPECT_EQ(scene->notes.size(), 2u);
     // The viewer's keys and those of another scheme are listed, without a note.
     EXPECT_NE(std::find(scene->ignored.begin(), scene->ignored.end(), "vSync"), scene->ignored.end());
     EXPECT_NE(std::find(scene->ignored.begin(), scene->ignored.end(), "multigridLevelCount"), scene->ignored.end());
@@ -71,7 +72,7 @@ TEST(SceneFile, OldFilesKeepTheirMeaning) {
     EXPECT_EQ(scene->sand.lift_rate_m_per_s, 2.0f); // 1 m in a step of half a second
     EXPECT_EQ(scene->sand.echo_rate_m_per_s, 2.0f);
     EXPECT_EQ(scene->sand.reptation_repose_s2_per_m2, 0.0f);
-    EXPECT_GT(scene->sand.reptation_smooth, 0.0f);
+    EXPECT_EQ(scene->sand.reptation_smooth, 3.0f);
     EXPECT_EQ(scene->sand.reptation_smooth_wind_s_per_m, 0.0f);
     EXPECT_TRUE(scene->sand.abrasion_by_amount);
     EXPECT_TRUE(scene->sand.supply);
