@@ -20,8 +20,8 @@ namespace sahel {
 
 namespace {
 
-constexpr int64_t k_most_tiles = 65535;       // slots of a launch on a device
-constexpr int64_t k_settle_steps = 1024;      // an inbox holds 2^31 ticks a cell: emptied long before
+constexpr int64_t k_most_tiles = 65535;  // slots of a launch on a device
+constexpr int64_t k_settle_steps = 1024; // an inbox holds 2^31 ticks a cell: emptied long before
 constexpr int32_t k_usual_halo = 32;
 constexpr uint64_t k_cache_bytes = uint64_t{192} << 20; // decoded tiles that a world keeps
 
@@ -79,8 +79,8 @@ Result<int32_t> choose_halo(int32_t asked, int32_t least, int32_t tile_cells) {
                                  tile_cells)};
     if (asked == 0) return std::min(tile_cells, std::max(k_usual_halo, (least + 7) / 8 * 8));
     if (asked < least)
-        return Error{ErrorKind::usage, fmt::format("a halo of {} cells is too narrow for these parameters: at least {}",
-                                                   asked, least)};
+        return Error{ErrorKind::usage,
+                     fmt::format("a halo of {} cells is too narrow for these parameters: at least {}", asked, least)};
     if (asked > tile_cells)
         return Error{ErrorKind::usage,
                      fmt::format("a halo of {} cells is wider than the world's tiles of {}", asked, tile_cells)};
@@ -136,11 +136,11 @@ RegionMemory RegionRun::memory_needed(const RegionOptions& options, const WorldD
     const uint64_t tile = uint64_t{4} * static_cast<uint64_t>(k_persisted_layers.size()) *
                           static_cast<uint64_t>(desc.tile_cells) * static_cast<uint64_t>(desc.tile_cells);
     // A commit holds of each level up to four tiles, beside one that is made and its file; decoded tiles are kept.
-    const auto wide = static_cast<uint64_t>(std::max(int64_t{options.region.x1} - options.region.x0,
-                                                     int64_t{options.region.y1} - options.region.y0));
+    const auto wide = static_cast<uint64_t>(
+        std::max(int64_t{options.region.x1} - options.region.x0, int64_t{options.region.y1} - options.region.y0));
     const auto levels = static_cast<uint64_t>(std::bit_width(wide)) + 1;
-    const uint64_t coarse = static_cast<uint64_t>(options.region.count()) *
-                            static_cast<uint64_t>(desc.tile_cells) * static_cast<uint64_t>(desc.tile_cells) / 16;
+    const uint64_t coarse = static_cast<uint64_t>(options.region.count()) * static_cast<uint64_t>(desc.tile_cells) *
+                            static_cast<uint64_t>(desc.tile_cells) / 16;
     memory.working_bytes = (3 * levels + 4) * tile + std::min(k_cache_bytes, 16 * tile) + 16 * coarse;
     return memory;
 }

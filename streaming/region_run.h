@@ -38,9 +38,9 @@ Result<TileRect> parse_tile_rect(std::string_view text);
 struct RegionOptions {
     TileRect region;
     SimulationParams simulation;
-    std::string device = "auto"; ///< auto, cpu, cuda:0
-    int32_t halo = 0;            ///< 0: chosen
-    uint64_t memory_bytes = 0;   ///< of the machine that computes; 0: what it has
+    std::string device = "auto";  ///< auto, cpu, cuda:0
+    int32_t halo = 0;             ///< 0: chosen
+    uint64_t memory_bytes = 0;    ///< of the machine that computes; 0: what it has
     int64_t checkpoint_steps = 0; ///< commits between; 0: only at the end
 };
 
@@ -76,7 +76,7 @@ class RegionRun {
     [[nodiscard]] int64_t step() const;
     [[nodiscard]] TileDomain& domain();
     [[nodiscard]] const AeolianStats& stats() const;
-    [[nodiscard]] bool goes_on() const; ///< found the wind of the epoch that a run before it left
+    [[nodiscard]] bool goes_on() const;         ///< found the wind of the epoch that a run before it left
     [[nodiscard]] uint64_t tiles_bytes() const; ///< taken of the pool, at most so far
     /// Of the committed steps of this run.
     [[nodiscard]] const LedgerBook& ledger() const;

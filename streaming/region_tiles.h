@@ -13,9 +13,9 @@ namespace sahel {
 
 /// One tile of the world as a run takes it: what is stored or generated, and what waited, added.
 struct LoadedTile {
-    std::vector<Inbox> taken;                        ///< what waited
-    std::map<SimLayer, int64_t> arrived;             ///< its ticks, of the domain's layers
-    std::map<SimLayer, int64_t> untouched;           ///< sums of conserved layers that the domain lacks
+    std::vector<Inbox> taken;              ///< what waited
+    std::map<SimLayer, int64_t> arrived;   ///< its ticks, of the domain's layers
+    std::map<SimLayer, int64_t> untouched; ///< sums of conserved layers that the domain lacks
 };
 
 /// Loads a slot of the domain: conserved layers and the mask from the world, plants, resistance and objects as none.

@@ -46,8 +46,9 @@ std::vector<std::string_view> all_keys(std::vector<std::string>& storage) {
 SimulationParams default_simulation(const WorldDesc& desc) {
     SimulationParams params;
     if (desc.preset == "none") return params;
-    const double angle_deg = std::atan2(static_cast<double>(desc.terrain.wind_y), static_cast<double>(desc.terrain.wind_x)) *
-                             180.0 / std::numbers::pi;
+    const double angle_deg =
+        std::atan2(static_cast<double>(desc.terrain.wind_y), static_cast<double>(desc.terrain.wind_x)) * 180.0 /
+        std::numbers::pi;
     params.wind.angle_deg = static_cast<float>(std::round(angle_deg * 10.0) / 10.0);
     params.wind.second_angle_deg = params.wind.angle_deg + 45.0f; // where two winds take turns, if they are asked to
     return params;
@@ -65,8 +66,7 @@ Result<SimulationParams> simulation_of(const WorldDesc& desc, std::string_view w
     SimulationParams params = default_simulation(desc);
     if (desc.simulation.empty()) return params;
     SAHEL_ASSIGN(const Json json, parse_json(desc.simulation, where));
-    if (!json.is_object())
-        return Error{ErrorKind::usage, fmt::format("{}: simulation must be an object", where)};
+    if (!json.is_object()) return Error{ErrorKind::usage, fmt::format("{}: simulation must be an object", where)};
     SAHEL_TRY(read(json, where, params));
     return params;
 }
@@ -74,8 +74,8 @@ Result<SimulationParams> simulation_of(const WorldDesc& desc, std::string_view w
 Status set_simulation(SimulationParams& params, std::string_view assignment, std::string_view where) {
     const size_t equals = assignment.find('=');
     if (equals == std::string_view::npos || equals == 0)
-        return Error{ErrorKind::usage, fmt::format("{}: '{}': write KEY=VALUE, for example sand.lift_rate=0.5", where,
-                                                   assignment)};
+        return Error{ErrorKind::usage,
+                     fmt::format("{}: '{}': write KEY=VALUE, for example sand.lift_rate=0.5", where, assignment)};
     const std::string key(assignment.substr(0, equals));
     const std::string text(assignment.substr(equals + 1));
     std::vector<std::string> storage;

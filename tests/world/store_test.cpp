@@ -343,36 +343,6 @@ TEST_F(Store, DamagedRowsAreFoundAndNamed) {
     EXPECT_EQ(issues().size(), 3u);
 }
 
-TEST_F(Store, AWorldOfTheFirstFormatOpensAndIsMadeNewByAWriter) {
-    {
-        World world = create(desc());
-        ASSERT_TRUE(commit_tiles(world, 1, {{0, 0, 0}}).ok());
-    }
-    {
-        auto db = sqlite::Database::open(folder() / "index.sqlite", sqlite::Database::Mode::write);
-        ASSERT_TRUE(db->run("DROP TABLE inbox; DROP TABLE ledger; DROP TABLE resume; UPDATE meta SET value = '1' WHERE "
-                            "key = 'format_version'")
-                        .ok());
-        std::string json = read_text_file(folder() / "world.json").value();
-        json.replace(json.find("\"format_version\": 2"), 19, "\"format_version\": 1");
-        ASSERT_TRUE(write_file(folder() / "world.json", json).ok());
-    }
-    std::string hash;
-    {
-        auto reader = World::open(folder(), OpenMode::read);
-        ASSERT_TRUE(reader.ok()) << reader.error().message;
-        EXPECT_TRUE(reader->inboxes()->empty() && reader->ledger()->empty() && reader->resume()->empty());
-        EXPECT_TRUE(reader->verify()->issues.empty());
-        hash = reader->hash().value();
-    }
-    auto world = World::open(folder(), OpenMode::write);
-    ASSERT_TRUE(world.ok()) << world.error().message;
-    EXPECT_EQ(world->hash().value(), hash);
-    const Inbox inbox{{0, 1, 0}, Layer::sand, {{1, 1}}};
-    ASSERT_TRUE(world->commit(2, {}, {.inboxes = std::span(&inbox, 1), .ledger = {}, .resume = {}}).ok());
-    EXPECT_EQ(world->inboxes()->size(), 1u);
-}
-
 TEST_F(Store, TheSimulationIsKeptAsItIs) {
     WorldDesc d = desc();
     d.simulation = R"({"sand":{"lift_rate":0.5},"wind":{}})";
