@@ -12,6 +12,7 @@
 #include <ImfTiledOutputFile.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <exception>
 
@@ -54,6 +55,40 @@ class MemoryIn final : public Imf::IStream {
     std::span<const uint8_t> bytes_;
     uint64_t at_ = 0;
 };
+
+bool whole_number(const std::string& text, int64_t& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size();
+}
+
+/// Whether programs may add up the four materials of every cell, in this order, in int32.
+bool surface_fits(const StoredTile& tile) {
+    if (k_surface_layers.intersected(tile.varying).empty()) { // one value everywhere
+        int64_t sum = 0;
+        bool fits = true;
+        k_surface_layers.for_each([&](Layer layer) {
+            sum += tile.constant[static_cast<size_t>(layer)];
+            fits = fits && sum == static_cast<int32_t>(sum);
+        });
+        return fits;
+    }
+    const auto n = static_cast<size_t>(tile.tile_cells);
+    std::vector<int64_t> sum(n);
+    std::vector<int32_t> row(n);
+    int64_t low = 0, high = 0;
+    for (int y = 0; y < tile.tile_cells; ++y) {
+        std::fill(sum.begin(), sum.end(), 0);
+        k_surface_layers.for_each([&](Layer layer) {
+            tile.copy_row(layer, 0, y, tile.tile_cells, row.data());
+            for (size_t x = 0; x < n; ++x) {
+                sum[x] += row[x];
+                low = std::min(low, sum[x]);
+                high = std::max(high, sum[x]);
+            }
+        });
+    }
+    return low >= INT32_MIN && high <= INT32_MAX;
+}
 
 Imf::Compression exr_compression(TileCompression c) {
     switch (c) {
@@ -128,6 +163,9 @@ Result<StoredTile> make_stored_tile(TileKey key, int tile_cells, const LayerBloc
 }
 
 Result<std::vector<uint8_t>> encode_tile(const StoredTile& tile, TileCompression compression) {
+    if (!surface_fits(tile))
+        return Error{ErrorKind::usage,
+                     fmt::format("tile {},{},{}: heights beyond +-16 km", tile.key.level, tile.key.x, tile.key.y)};
     try {
         const int n = tile.tile_cells;
         Imf::Header header(n, n);
@@ -193,11 +231,13 @@ Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string
         const auto* y = header.findTypedAttribute<Imf::StringAttribute>("sahel_y");
         if (!level || !x || !y) return corrupt("its place in the world is missing");
         const Imath::Box2i window = header.dataWindow();
-        const int n = window.max.x + 1;
-        if (window.min != Imath::V2i(0, 0) || window.max.y + 1 != n || n < 1 || n > 8192)
+        if (window.min != Imath::V2i(0, 0) || window.max.y != window.max.x || window.max.x < 0 || window.max.x >= 8192)
             return corrupt("not a square tile");
+        const int n = window.max.x + 1;
         StoredTile tile;
-        tile.key = {level->value(), std::stoll(x->value()), std::stoll(y->value())};
+        tile.key.level = level->value();
+        if (!whole_number(x->value(), tile.key.x) || !whole_number(y->value(), tile.key.y) || !is_storable(tile.key))
+            return corrupt("its place in the world cannot be");
         tile.tile_cells = n;
         std::string problem;
         k_persisted_layers.for_each([&](Layer layer) {
@@ -215,6 +255,10 @@ Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string
         });
         if (!problem.empty()) return corrupt(problem);
         if (!tile.varying.empty()) {
+            // No compression makes more than this of a byte: a few bytes must not ask for gigabytes.
+            constexpr uint64_t k_most_per_byte = 16384;
+            if (LayerBlock::bytes_needed(tile_rect(tile.key, n), 0, tile.varying) / k_most_per_byte > bytes.size())
+                return corrupt("too short for its cells");
             SAHEL_ASSIGN(tile.block,
                          LayerBlock::allocate(tile.key.level, tile_rect(tile.key, n), 0, tile.varying, pool));
             Imf::FrameBuffer frame;
@@ -227,6 +271,7 @@ Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string
             file.setFrameBuffer(frame);
             file.readTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
         }
+        if (!surface_fits(tile)) return corrupt("heights beyond +-16 km");
         return tile;
     } catch (const std::exception& e) {
         return corrupt(e.what());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace sahel {
 
@@ -32,7 +33,12 @@ class Reader {
                           : std::is_integral_v<T>        ? found->is_number_integer()
                                                          : found->is_number();
         if (!fits) return fail(key, "has the wrong type: " + json_description(*found));
-        out = found->get<T>();
+        if constexpr (std::is_integral_v<T>) {
+            const bool holds = found->is_number_unsigned() ? std::in_range<T>(found->template get<uint64_t>())
+                                                           : std::in_range<T>(found->template get<int64_t>());
+            if (!holds) return fail(key, "is out of range: " + json_description(*found));
+        }
+        out = found->template get<T>();
     }
     const Json* object(const char* key) {
         known_.emplace_back(key);
@@ -84,6 +90,7 @@ std::string world_json(const WorldDesc& desc) {
                                 {"datum_m", g.datum_m}};
     }
     if (desc.preset != "none") json["terrain"] = params_to_json(desc.terrain);
+    if (!desc.simulation.empty()) json["simulation"] = Json::parse(desc.simulation); // check_world_desc looked at it
     return json.dump(2) + "\n";
 }
 
@@ -121,6 +128,7 @@ Result<WorldDesc> parse_world_json(std::string_view text, std::string_view where
         desc.georeference = g;
     }
     const Json* terrain = reader.object("terrain");
+    if (const Json* simulation = reader.object("simulation")) desc.simulation = simulation->dump();
     SAHEL_TRY(reader.finish());
     if (desc.preset != "none") {
         auto preset = base_terrain_preset(desc.preset);
@@ -145,7 +153,16 @@ Status check_world_desc(const WorldDesc& desc, std::string_view where) {
         return bad(fmt::format("cell_m {} must lie between 0.01 and 10000", desc.cell_m));
     if (!(std::abs(desc.outside_m) < 16000.0))
         return bad(fmt::format("outside_m {} must lie between -16000 and 16000", desc.outside_m));
+    if (desc.sea_m && !(std::abs(*desc.sea_m) < 16000.0))
+        return bad(fmt::format("sea_m {} must lie between -16000 and 16000", *desc.sea_m));
+    if (const auto& g = desc.georeference)
+        for (const double v : {g->origin_x, g->origin_y, g->cell_x, g->cell_y, g->datum_m})
+            if (!(std::abs(v) < 1e12)) return bad(fmt::format("georeference holds {}, beyond any map", v));
     if (desc.preset != "none") SAHEL_TRY(check_ranges(desc.terrain, where));
+    if (!desc.simulation.empty()) {
+        SAHEL_ASSIGN(const Json simulation, parse_json(desc.simulation, where));
+        if (!simulation.is_object()) return bad("simulation must be an object");
+    }
     return {};
 }
 
