@@ -24,6 +24,7 @@ struct BenchOptions {
 };
 
 void add_terrain_benchmarks(const BenchOptions& options);
+void add_sand_benchmarks(const BenchOptions& options);
 void add_store_benchmarks(const BenchOptions& options);
 void add_streaming_benchmarks(const BenchOptions& options);
 void add_view_benchmarks(const BenchOptions& options);
