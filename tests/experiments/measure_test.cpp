@@ -247,6 +247,40 @@ TEST(Relief, CoverageSpreadAndCorrelation) {
     EXPECT_EQ(least_of(a), 0.0f);
 }
 
+TEST(Relief, SidesTellLeeFromBack) {
+    // A sawtooth that rises over 24 cells and falls over 8.
+    const Plane teeth = Plane::made(128, 64, 0.5, [](int x, int) {
+        const int u = x % 32;
+        return 0.25 * (u < 24 ? u : 3 * (32 - u));
+    });
+    const SidesAlong along = sides_along(teeth, 0.0);
+    EXPECT_NEAR(along.rising, 0.5, 1e-6);
+    EXPECT_NEAR(along.falling, 1.5, 1e-6);
+    EXPECT_NEAR(sides_along(teeth, 180.0).rising, 1.5, 1e-6);
+    EXPECT_NEAR(sides_along(teeth, 60.0).falling, 0.75, 1e-6);
+}
+
+TEST(Relief, CountsArms) {
+    for (const int arms : {1, 3, 4, 5}) {
+        const Plane star = Plane::made(128, 128, 1.0, [=](int x, int y) {
+            const double r = std::hypot(x - 64.0, y - 64.0);
+            return std::max(20.0 - 0.4 * r, 0.0) * (1.0 + 0.3 * std::cos(arms * std::atan2(y - 64.0, x - 64.0)));
+        });
+        EXPECT_EQ(count_arms(star, 64.5, 64.5, 20.0), arms);
+    }
+    EXPECT_EQ(count_arms(Plane(64, 64, 1.0, 3.0f), 32.0, 32.0, 10.0), 0);
+}
+
+TEST(Relief, BoxMeanKeepsTheSumAndWraps) {
+    Plane spike(16, 12, 1.0);
+    spike.at(0, 11) = 25.0f;
+    const Plane mean = box_mean(spike, 2);
+    EXPECT_NEAR(mean.at(-2, 1), 1.0, 1e-6);
+    EXPECT_NEAR(mean.at(2, 9), 1.0, 1e-6);
+    EXPECT_NEAR(mean.at(3, 11), 0.0, 1e-6);
+    EXPECT_NEAR(mean_of(mean), mean_of(spike), 1e-6);
+}
+
 TEST(Relief, RoughnessTellsAcrossFromAlong) {
     const Plane ripples = Plane::made(64, 64, 1.0, [](int, int y) { return y & 1 ? 0.1 : -0.1; });
     const CellMask all(64, 64, 1.0, 1);

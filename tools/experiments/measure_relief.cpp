@@ -118,6 +118,79 @@ double octagon_heap_height(double volume_m3, double repose_tangent) {
     return std::cbrt(3.0 * volume_m3 * repose_tangent * repose_tangent / area);
 }
 
+SidesAlong sides_along(const Plane& h, double angle_deg, const CellMask* mask) {
+    const Vec2 d = unit_of(angle_deg);
+    std::vector<double> up, down;
+    for (int32_t y = 0; y < h.height; ++y)
+        for (int32_t x = 0; x < h.width; ++x) {
+            if (mask && !mask->at(x, y)) continue;
+            const double gx = (h.at(x + 1, y) - h.at(x - 1, y)) / (2.0 * h.cell_m);
+            const double gy = (h.at(x, y + 1) - h.at(x, y - 1)) / (2.0 * h.cell_m);
+            const double slope = gx * d.x + gy * d.y;
+            (slope > 0.0 ? up : down).push_back(std::abs(slope));
+        }
+    const auto p95 = [](std::vector<double>& v) {
+        if (v.empty()) return 0.0;
+        const auto at = v.begin() + static_cast<ptrdiff_t>(0.95 * static_cast<double>(v.size() - 1));
+        std::nth_element(v.begin(), at, v.end());
+        return *at;
+    };
+    return {p95(up), p95(down)};
+}
+
+int count_arms(const Plane& h, double x_m, double y_m, double radius_m, double share) {
+    constexpr int k_points = 180;
+    std::vector<double> ring;
+    for (int i = 0; i < k_points; ++i) {
+        const Vec2 d = unit_of(i * 360.0 / k_points);
+        ring.push_back(h.at(static_cast<int64_t>(std::floor((x_m + radius_m * d.x) / h.cell_m)),
+                            static_cast<int64_t>(std::floor((y_m + radius_m * d.y) / h.cell_m))));
+    }
+    const auto [least, most] = std::minmax_element(ring.begin(), ring.end());
+    const double step = share * (*most - *least);
+    if (step <= 0.0) return 0;
+    // Start in the lowest valley and count rises by more than the step that are followed by falls by more than it.
+    const auto first = static_cast<int>(least - ring.begin());
+    int arms = 0;
+    bool rising = true;
+    double extreme = *least;
+    for (int i = 1; i <= k_points; ++i) {
+        const double v = ring[static_cast<size_t>((first + i) % k_points)];
+        if (rising) { // looking for a top above the last valley
+            if (v > extreme + step)
+                rising = false, extreme = v;
+            else
+                extreme = std::min(extreme, v);
+        } else {
+            if (v < extreme - step)
+                rising = true, extreme = v, ++arms;
+            else
+                extreme = std::max(extreme, v);
+        }
+    }
+    return arms;
+}
+
+Plane box_mean(const Plane& plane, int32_t radius) {
+    Plane out = plane;
+    const double weight = 1.0 / (2.0 * radius + 1.0);
+    for (const bool along_x : {true, false}) {
+        const Plane in = out;
+        const int32_t lines = along_x ? plane.height : plane.width;
+        const int32_t cells = along_x ? plane.width : plane.height;
+        const auto at = [&](int32_t line, int64_t i) { return along_x ? in.at(i, line) : in.at(line, i); };
+        for (int32_t line = 0; line < lines; ++line) {
+            double sum = 0.0;
+            for (int32_t i = -radius; i <= radius; ++i) sum += at(line, i);
+            for (int32_t i = 0; i < cells; ++i) {
+                (along_x ? out.at(i, line) : out.at(line, i)) = static_cast<float>(sum * weight);
+                sum += double{at(line, i + radius + 1)} - double{at(line, i - radius)};
+            }
+        }
+    }
+    return out;
+}
+
 Plane second_difference_across(const Plane& sand, bool wind_along_x) {
     const int dx = wind_along_x ? 0 : 1;
     const int dy = wind_along_x ? 1 : 0;

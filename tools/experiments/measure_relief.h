@@ -37,6 +37,21 @@ double asymmetry8(const Plane& plane, int64_t twice_x, int64_t twice_y);
 /// H^3 = 3 V tan^2 / 3.3137.
 double octagon_heap_height(double volume_m3, double repose_tangent);
 
+/// Slopes along a direction where the ground rises and where it falls, each by its 95th percentile over the cells of
+/// the mask: dunes under one wind rise gently and fall steeply.
+struct SidesAlong {
+    double rising = 0.0;  ///< m/m
+    double falling = 0.0; ///< m/m
+};
+SidesAlong sides_along(const Plane& height_m, double angle_deg, const CellMask* mask = nullptr);
+
+/// Ridges that run out from a peak: maxima of the height on a circle about it that stand above both valleys beside them
+/// by more than the given share of the circle's relief.
+int count_arms(const Plane& height_m, double x_m, double y_m, double radius_m, double share = 0.2);
+
+/// Mean over a square of (2 r + 1) cells a side: what is left of the relief at scales above it.
+Plane box_mean(const Plane& plane, int32_t radius_cells);
+
 /// Roughness from cell to cell: mean absolute second difference across and along a wind that blows along x or y.
 struct Roughness {
     double across_m = 0.0;
