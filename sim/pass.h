@@ -35,7 +35,7 @@ struct LayerRead {
 /// The reads of a pass; a fixed array, so that declarations can be constants.
 class ReadList {
   public:
-    static constexpr int k_capacity = 12;
+    static constexpr int k_capacity = 16;
     constexpr ReadList() = default;
     constexpr ReadList(std::initializer_list<LayerRead> reads) {
         for (const LayerRead& r : reads) add(r);

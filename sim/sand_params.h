@@ -26,10 +26,14 @@ struct SandParams {
     // saltation
     bool bilinear = true;
     float lift_rate_m_per_s = 1.0f;
+    float bounce_threshold_m = 0.0f;
     float abrasion = 0.0f;
     float soil_abrasion = 0.0f;
     bool abrasion_by_amount = true;
     float abrasion_threshold_m = 0.025f;
+    // wet ground
+    float moisture_capacity_m = 1.0f;
+    float moisture_depth_m = 1.0f;
     // reptation
     float reptation_smooth = 0.0f;
     float reptation_smooth_wind_s_per_m = 0.0f;
@@ -77,10 +81,13 @@ template <> inline constexpr auto fields_of<SandParams> = std::tuple{
     Field{&SandParams::echo_max_cliff_m,              "echo_max_cliff",        "m",    0.1f,    1000.0f, "Higher cliffs act like one of this height"},
     Field{&SandParams::bilinear,                      "bilinear",              "",     false,   true,    "Sand lands on the four cells around its target; else on the nearest"},
     Field{&SandParams::lift_rate_m_per_s,             "lift_rate",             "m/s",  0.0f,    10.0f,   "Sand lifted from open ground"},
+    Field{&SandParams::bounce_threshold_m,            "bounce_threshold",      "m",    0.0f,    10.0f,   "Grains bounce off more sand than this as off sand, else as off soil or rock"},
     Field{&SandParams::abrasion,                      "abrasion",              "",     0.0f,    10.0f,   "Rock worn for each metre of sand that bounces, for each metre of wind"},
     Field{&SandParams::soil_abrasion,                 "soil_abrasion",         "",     0.0f,    10.0f,   "The same for soil"},
     Field{&SandParams::abrasion_by_amount,            "abrasion_by_amount",    "",     false,   true,    "Wear grows with the sand that bounces; else any sand will do"},
     Field{&SandParams::abrasion_threshold_m,          "abrasion_threshold",    "m",    0.0f,    10.0f,   "More sand than this protects the ground"},
+    Field{&SandParams::moisture_capacity_m,           "moisture_capacity",     "m",    0.0f,    100.0f,  "Water that deep sand and soil hold"},
+    Field{&SandParams::moisture_depth_m,              "moisture_depth",        "m",    1.0e-3f, 100.0f,  "Thickness of sand and soil that holds as much; thinner holds less"},
     Field{&SandParams::reptation_smooth,              "reptation_smooth",      "s/m",  0.0f,    100.0f,  "Smoothing by impacts, for each metre of bounced sand and hop"},
     Field{&SandParams::reptation_smooth_wind_s_per_m, "reptation_smooth_wind", "s2/m2", 0.0f,   100.0f,  "The same, times the speed of the wind"},
     Field{&SandParams::reptation_repose_s2_per_m2,    "reptation_repose",      "s2/m2", 0.0f,   100.0f,  "Moving sand lowers the angle of repose"},

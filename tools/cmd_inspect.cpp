@@ -12,6 +12,7 @@ namespace {
 struct Options {
     std::string world;
     bool json = false;
+    bool accept_edits = false;
 };
 
 int run_info(const Options& o) {
@@ -59,8 +60,10 @@ int run_hash(const Options& o) {
 }
 
 int run_verify(const Options& o) {
-    auto world = World::open(o.world, OpenMode::read);
+    auto world = World::open(o.world, o.accept_edits ? OpenMode::write : OpenMode::read);
     if (!world.ok()) return fail(world.error());
+    if (o.accept_edits)
+        if (const Status s = world->accept_description(); !s.ok()) return fail(s.error());
     ProgressBar bar("verify");
     auto report = world->verify([&](int64_t done, int64_t total) { bar.update(done, total); });
     if (!report.ok()) return fail(report.error());
@@ -89,6 +92,9 @@ void add_inspect_commands(CommandLine& line) {
         CLI::App& app = line.add(name, help, [=] { return body(*options); });
         app.add_option("WORLD", options->world, "World folder")->required();
         if (json) app.add_flag("--json", options->json, "Report as JSON");
+        if (std::string_view(name) == "verify")
+            app.add_flag("--accept-edits", options->accept_edits,
+                         "world.json was edited on purpose: take it as it is now");
     };
     add("info", "What a world holds: seed, tiles, bounds, step, size on disk", run_info, true);
     add("hash", "One line: the hash of all stored state, independent of the tile size", run_hash, false);

@@ -12,6 +12,7 @@
 #include <ImfTiledOutputFile.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstring>
 #include <exception>
 
@@ -54,6 +55,11 @@ class MemoryIn final : public Imf::IStream {
     std::span<const uint8_t> bytes_;
     uint64_t at_ = 0;
 };
+
+bool whole_number(const std::string& text, int64_t& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size();
+}
 
 Imf::Compression exr_compression(TileCompression c) {
     switch (c) {
@@ -193,11 +199,13 @@ Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string
         const auto* y = header.findTypedAttribute<Imf::StringAttribute>("sahel_y");
         if (!level || !x || !y) return corrupt("its place in the world is missing");
         const Imath::Box2i window = header.dataWindow();
-        const int n = window.max.x + 1;
-        if (window.min != Imath::V2i(0, 0) || window.max.y + 1 != n || n < 1 || n > 8192)
+        if (window.min != Imath::V2i(0, 0) || window.max.y != window.max.x || window.max.x < 0 || window.max.x >= 8192)
             return corrupt("not a square tile");
+        const int n = window.max.x + 1;
         StoredTile tile;
-        tile.key = {level->value(), std::stoll(x->value()), std::stoll(y->value())};
+        tile.key.level = level->value();
+        if (!whole_number(x->value(), tile.key.x) || !whole_number(y->value(), tile.key.y) || !is_storable(tile.key))
+            return corrupt("its place in the world cannot be");
         tile.tile_cells = n;
         std::string problem;
         k_persisted_layers.for_each([&](Layer layer) {
@@ -215,6 +223,10 @@ Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string
         });
         if (!problem.empty()) return corrupt(problem);
         if (!tile.varying.empty()) {
+            // No compression makes more than this of a byte: a few bytes must not ask for gigabytes.
+            constexpr uint64_t k_most_per_byte = 16384;
+            if (LayerBlock::bytes_needed(tile_rect(tile.key, n), 0, tile.varying) / k_most_per_byte > bytes.size())
+                return corrupt("too short for its cells");
             SAHEL_ASSIGN(tile.block,
                          LayerBlock::allocate(tile.key.level, tile_rect(tile.key, n), 0, tile.varying, pool));
             Imf::FrameBuffer frame;

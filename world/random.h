@@ -35,6 +35,7 @@ enum class Purpose : uint32_t {
     plant_spawn = 13,
     plant_growth = 14,
     plant_death = 15,
+    supply = 16,
 };
 
 /// Four words of 32 uniform bits.

@@ -20,6 +20,11 @@ Result<Database> Database::open(const std::filesystem::path& path, Mode mode) {
         Database db(raw, path.string());
         if (code != SQLITE_OK) return db.error("cannot be opened");
         sqlite3_busy_timeout(raw, 10000);
+        // A world may come from anywhere: no code in its schema, no writing to it but through tables.
+        for (const int off :
+             {SQLITE_DBCONFIG_TRUSTED_SCHEMA, SQLITE_DBCONFIG_ENABLE_TRIGGER, SQLITE_DBCONFIG_ENABLE_VIEW})
+            sqlite3_db_config(raw, off, 0, nullptr);
+        sqlite3_db_config(raw, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
         // The first read finds out whether it is a database, and whether its log can be used.
         Statement probe(db, "SELECT count(*) FROM sqlite_master");
         (void)probe.step();
@@ -28,7 +33,14 @@ Result<Database> Database::open(const std::filesystem::path& path, Mode mode) {
     };
     auto opened = attempt(path.string(), 0);
     if (opened.ok() || mode != Mode::read || opened.error().kind == ErrorKind::corrupt) return opened;
-    // A reader of a WAL database needs to make its shared memory file; where it may not, nobody writes either.
+    // A reader of a WAL database needs to make its shared memory file; where it may not, nobody writes either. But what
+    // a killed writer left in the log counts, and would not be read.
+    std::error_code no_log;
+    const auto log_bytes = std::filesystem::file_size(path.string() + "-wal", no_log);
+    if (!no_log && log_bytes > 0)
+        return Error{ErrorKind::io, fmt::format("{}: its log must be played back, and the folder cannot be written; "
+                                                "copy the world to one that can",
+                                                path.string())};
     return attempt("file:" + path.string() + "?immutable=1", SQLITE_OPEN_URI);
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <cstring>
 
 namespace sahel {
@@ -13,9 +15,10 @@ PRAGMA journal_mode = WAL;
 PRAGMA synchronous = FULL;
 BEGIN;
 CREATE TABLE meta(key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE commits(generation INTEGER PRIMARY KEY, step INTEGER NOT NULL, tiles INTEGER NOT NULL);
+CREATE TABLE commits(generation INTEGER PRIMARY KEY, step INTEGER NOT NULL, tiles INTEGER NOT NULL,
+                     digest TEXT NOT NULL);
 CREATE TABLE tiles(level INTEGER, x INTEGER, y INTEGER, file TEXT NOT NULL, bytes INTEGER NOT NULL, checksum TEXT NOT NULL,
-                   generation INTEGER NOT NULL, step INTEGER NOT NULL, low_m REAL, high_m REAL, blocks BLOB,
+                   generation INTEGER NOT NULL, step INTEGER NOT NULL, low_m REAL, high_m REAL, blocks BLOB, digest TEXT NOT NULL,
                    PRIMARY KEY(level, y, x)) WITHOUT ROWID;
 COMMIT;
 )SQL";
@@ -35,9 +38,26 @@ std::vector<BlockDigest> unpack(const std::vector<uint8_t>& bytes) {
 
 constexpr const char* k_columns = "level, x, y, file, bytes, checksum, generation, step, low_m, high_m";
 
-TileRow read_row(const sqlite::Statement& s) {
+std::string digest_of(const std::string& text) {
+    return to_hex(checksum({reinterpret_cast<const uint8_t*>(text.data()), text.size()}));
+}
+std::string digest_of(const TileRow& r) {
+    return digest_of(fmt::format("{} {} {} {} {} {} {} {} {} {} {}", r.key.level, r.key.x, r.key.y, r.file, r.bytes,
+                                 r.checksum, r.generation, r.step, r.low_m, r.high_m,
+                                 to_hex(checksum(pack(r.blocks)))));
+}
+std::string digest_of_commit(int64_t generation, int64_t step, int64_t tiles) {
+    return digest_of(fmt::format("{} {} {}", generation, step, tiles));
+}
+
+Error damaged(const std::string& what) {
+    return {ErrorKind::corrupt, fmt::format("index.sqlite: {}; run sahel verify, or restore the file", what)};
+}
+
+Result<TileRow> read_row(const sqlite::Statement& s) {
     TileRow r;
-    r.key = {static_cast<int32_t>(s.integer(0)), s.integer(1), s.integer(2)};
+    const int64_t level = s.integer(0);
+    r.key = {static_cast<int32_t>(std::clamp<int64_t>(level, -1, 1000)), s.integer(1), s.integer(2)};
     r.file = s.text(3);
     r.bytes = static_cast<uint64_t>(s.integer(4));
     r.checksum = s.text(5);
@@ -45,6 +65,9 @@ TileRow read_row(const sqlite::Statement& s) {
     r.step = s.integer(7);
     r.low_m = static_cast<float>(s.real(8));
     r.high_m = static_cast<float>(s.real(9));
+    if (!is_storable(r.key) || r.file != tile_file_name(r.key, r.generation))
+        return damaged(
+            fmt::format("the row of tile {},{} of level {} names no file of its own", r.key.x, r.key.y, level));
     return r;
 }
 
@@ -54,7 +77,23 @@ std::string cell_text(double cell_m) {
 
 } // namespace
 
-Result<StoreIndex> StoreIndex::create(const std::filesystem::path& path, const WorldDesc& desc) {
+std::string tile_file_name(TileKey key, int64_t generation) {
+    return fmt::format("tiles/L{:02}/s{}_{}/{}_{}.g{}.exr", key.level, key.x >> 5, key.y >> 5, key.x, key.y,
+                       generation);
+}
+
+bool parse_tile_file_name(const std::string& file, TileKey& key, int64_t& generation) {
+    long long x = 0, y = 0, g = 0;
+    int level = 0;
+    if (std::sscanf(file.c_str(), "tiles/L%2d/s%*[-0-9]_%*[-0-9]/%lld_%lld.g%lld.exr", &level, &x, &y, &g) != 4)
+        return false;
+    key = {level, x, y};
+    generation = g;
+    return file == tile_file_name(key, generation);
+}
+
+Result<StoreIndex> StoreIndex::create(const std::filesystem::path& path, const WorldDesc& desc,
+                                      std::string_view description) {
     SAHEL_ASSIGN(sqlite::Database db, sqlite::Database::open(path, sqlite::Database::Mode::create));
     SAHEL_TRY(db.run(k_schema));
     StoreIndex index(std::move(db));
@@ -62,7 +101,8 @@ Result<StoreIndex> StoreIndex::create(const std::filesystem::path& path, const W
     for (const auto& [key, value] :
          {std::pair<std::string, std::string>{"format_version", std::to_string(k_world_format_version)},
           {"tile_cells", std::to_string(desc.tile_cells)},
-          {"cell_m", cell_text(desc.cell_m)}}) {
+          {"cell_m", cell_text(desc.cell_m)},
+          {"description", std::string(description)}}) {
         put.bind(1, std::string_view(key)).bind(2, std::string_view(value));
         (void)put.step();
         SAHEL_TRY(put.status());
@@ -78,10 +118,13 @@ Result<StoreIndex> StoreIndex::open(const std::filesystem::path& path, OpenMode 
     if (mode == OpenMode::write) SAHEL_TRY(db.run("PRAGMA synchronous = FULL"));
     StoreIndex index(std::move(db));
     SAHEL_TRY(index.check_meta(desc));
-    sqlite::Statement last(index.db_, "SELECT generation, step FROM commits ORDER BY generation DESC LIMIT 1");
+    sqlite::Statement last(index.db_,
+                           "SELECT generation, step, tiles, digest FROM commits ORDER BY generation DESC LIMIT 1");
     if (last.step()) {
         index.generation_ = last.integer(0);
         index.step_ = last.integer(1);
+        if (last.text(3) != digest_of_commit(last.integer(0), last.integer(1), last.integer(2)))
+            return damaged("the row of the last commit is not what was written");
     }
     SAHEL_TRY(last.status());
     return index;
@@ -94,12 +137,15 @@ Status StoreIndex::check_meta(const WorldDesc& desc) {
         const std::string key = all.text(0), value = all.text(1);
         if (key == "format_version") {
             ++found;
-            if (std::atoi(value.c_str()) > k_world_format_version)
+            const int version = std::atoi(value.c_str());
+            if (version < 1) return damaged("its format version is no number");
+            if (version > k_world_format_version)
                 return Error{ErrorKind::unsupported,
                              fmt::format("index.sqlite: world format {} is newer than this program's {}; use "
                                          "a newer sahel",
                                          value, k_world_format_version)};
         }
+        if (key == "description") description_ = value;
         const std::string wanted = key == "tile_cells" ? std::to_string(desc.tile_cells)
                                    : key == "cell_m"   ? cell_text(desc.cell_m)
                                                        : "";
@@ -112,7 +158,7 @@ Status StoreIndex::check_meta(const WorldDesc& desc) {
         }
     }
     SAHEL_TRY(all.status());
-    if (found != 3) return Error{ErrorKind::corrupt, "index.sqlite: its description of the world is incomplete"};
+    if (found != 3) return damaged("its description of the world is incomplete");
     return {};
 }
 
@@ -121,20 +167,29 @@ Result<std::optional<TileRow>> StoreIndex::find(TileKey key) const {
                         fmt::format("SELECT {} FROM tiles WHERE level = ? AND y = ? AND x = ?", k_columns).c_str());
     s.bind(1, int64_t{key.level}).bind(2, key.y).bind(3, key.x);
     std::optional<TileRow> row;
-    if (s.step()) row = read_row(s);
+    if (s.step()) {
+        SAHEL_ASSIGN(row, read_row(s));
+    }
     SAHEL_TRY(s.status());
     return row;
 }
 
 Result<std::vector<TileRow>> StoreIndex::rows(std::optional<int32_t> level, bool with_blocks) const {
     sqlite::Statement s(
-        db_, fmt::format("SELECT {}, blocks FROM tiles WHERE level >= ? AND level <= ? ORDER BY level, y, x", k_columns)
+        db_, fmt::format("SELECT {}, digest{} FROM tiles WHERE level >= ? AND level <= ? ORDER BY level, y, x",
+                         k_columns, with_blocks ? ", blocks" : "")
                  .c_str());
-    s.bind(1, int64_t{level.value_or(0)}).bind(2, int64_t{level.value_or(1000)});
+    s.bind(1, int64_t{level.value_or(INT32_MIN)}).bind(2, int64_t{level.value_or(INT32_MAX)});
     std::vector<TileRow> rows;
     while (s.step()) {
-        rows.push_back(read_row(s));
-        if (with_blocks) rows.back().blocks = unpack(s.blob(10));
+        SAHEL_ASSIGN(TileRow row, read_row(s));
+        if (with_blocks) {
+            const std::vector<uint8_t> blob = s.blob(11);
+            row.blocks = unpack(blob);
+            if (blob.size() % sizeof(BlockDigest) != 0 || s.text(10) != digest_of(row))
+                return damaged(fmt::format("the row of {} is not what was written", row.file));
+        }
+        rows.push_back(std::move(row));
     }
     SAHEL_TRY(s.status());
     return rows;
@@ -146,13 +201,18 @@ Result<std::vector<TileKey>> StoreIndex::keys(int32_t level) const {
     std::vector<TileKey> keys;
     while (s.step()) keys.push_back({level, s.integer(0), s.integer(1)});
     SAHEL_TRY(s.status());
+    for (const TileKey key : keys)
+        if (!is_storable(key)) return damaged(fmt::format("tile {},{} of level {} cannot be", key.x, key.y, level));
     return keys;
 }
 
 Result<int32_t> StoreIndex::top_level() const {
     sqlite::Statement s(db_, "SELECT ifnull(max(level), -1) FROM tiles");
     int32_t top = -1;
-    if (s.step()) top = static_cast<int32_t>(s.integer(0));
+    if (s.step()) {
+        if (s.integer(0) > k_max_terrain_level) return damaged("a level is too high");
+        top = static_cast<int32_t>(s.integer(0));
+    }
     SAHEL_TRY(s.status());
     return top;
 }
@@ -162,9 +222,10 @@ Status StoreIndex::commit(int64_t generation, int64_t step, std::span<const Tile
     const auto write = [&]() -> Status {
         sqlite::Statement put(
             db_, "INSERT OR REPLACE INTO tiles(level, x, y, file, bytes, checksum, generation, step, low_m, high_m, "
-                 "blocks) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+                 "blocks, digest) VALUES(?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
         for (const TileRow& r : rows) {
             const std::vector<uint8_t> blocks = pack(r.blocks);
+            const std::string digest = digest_of(r);
             put.bind(1, int64_t{r.key.level}).bind(2, r.key.x).bind(3, r.key.y).bind(4, std::string_view(r.file));
             put.bind(5, static_cast<int64_t>(r.bytes))
                 .bind(6, std::string_view(r.checksum))
@@ -172,13 +233,16 @@ Status StoreIndex::commit(int64_t generation, int64_t step, std::span<const Tile
                 .bind(8, r.step);
             put.bind(9, static_cast<double>(r.low_m))
                 .bind(10, static_cast<double>(r.high_m))
-                .bind(11, std::span(blocks));
+                .bind(11, std::span(blocks))
+                .bind(12, std::string_view(digest));
             (void)put.step();
             SAHEL_TRY(put.status());
             put.reset();
         }
-        sqlite::Statement note(db_, "INSERT INTO commits(generation, step, tiles) VALUES(?, ?, ?)");
-        note.bind(1, generation).bind(2, step).bind(3, static_cast<int64_t>(rows.size()));
+        sqlite::Statement note(db_, "INSERT INTO commits(generation, step, tiles, digest) VALUES(?, ?, ?, ?)");
+        const auto tiles = static_cast<int64_t>(rows.size());
+        const std::string digest = digest_of_commit(generation, step, tiles);
+        note.bind(1, generation).bind(2, step).bind(3, tiles).bind(4, std::string_view(digest));
         (void)note.step();
         SAHEL_TRY(note.status());
         return {};
@@ -195,11 +259,31 @@ Status StoreIndex::commit(int64_t generation, int64_t step, std::span<const Tile
 }
 
 Result<std::string> StoreIndex::integrity() const {
-    sqlite::Statement s(db_, "PRAGMA quick_check(1)");
+    sqlite::Statement s(db_, "PRAGMA integrity_check(1)");
     std::string answer;
     if (s.step()) answer = s.text(0);
     SAHEL_TRY(s.status());
+    if (answer != "ok") return answer;
+    sqlite::Statement all(db_, "SELECT generation, step, tiles, digest FROM commits ORDER BY generation");
+    int64_t count = 0, step = INT64_MIN;
+    while (all.step()) {
+        const int64_t generation = all.integer(0);
+        if (generation != ++count || all.integer(1) < step ||
+            all.text(3) != digest_of_commit(generation, all.integer(1), all.integer(2)))
+            return fmt::format("commit {} is not what was written", count);
+        step = all.integer(1);
+    }
+    SAHEL_TRY(all.status());
     return answer;
+}
+
+Status StoreIndex::set_description(std::string_view text) {
+    sqlite::Statement put(db_, "INSERT OR REPLACE INTO meta(key, value) VALUES('description', ?)");
+    put.bind(1, text);
+    (void)put.step();
+    SAHEL_TRY(put.status());
+    description_ = text;
+    return {};
 }
 
 } // namespace sahel

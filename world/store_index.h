@@ -11,11 +11,12 @@
 
 /// The index of a world: which file holds which tile, since which step, with which checksum.
 ///
-///     meta     key, value                                    format version, tile size, cell size
-///     commits  generation, step, tiles                       one row a commit
-///     tiles    level, x, y | file, bytes, checksum, generation, step, low_m, high_m, blocks
+///     meta     key, value                                    format version, tile size, cell size, text of world.json
+///     commits  generation, step, tiles, digest               one row a commit, generations without gaps
+///     tiles    level, x, y | file, bytes, checksum, generation, step, low_m, high_m, blocks, digest
 ///
-/// A tile's file is never changed: a commit writes new files and one transaction points to them.
+/// A tile's file is never changed: a commit writes new files and one transaction points to them. Each row carries a
+/// digest of itself, since SQLite checks the form of its pages and not what stands in them.
 namespace sahel {
 
 struct TileRow {
@@ -31,20 +32,27 @@ struct TileRow {
 
 class StoreIndex {
   public:
-    static Result<StoreIndex> create(const std::filesystem::path& path, const WorldDesc& desc);
+    /// `description`: the text of world.json.
+    static Result<StoreIndex> create(const std::filesystem::path& path, const WorldDesc& desc,
+                                     std::string_view description);
     static Result<StoreIndex> open(const std::filesystem::path& path, OpenMode mode, const WorldDesc& desc);
 
     [[nodiscard]] int64_t generation() const { return generation_; }
     [[nodiscard]] int64_t step() const { return step_; }
 
     [[nodiscard]] Result<std::optional<TileRow>> find(TileKey key) const;
-    /// All rows of a level (or of every level), in order; `with_blocks` also their digests.
+    /// All rows of a level (or of every level), in order; `with_blocks` also the state hashes, and then each row is
+    /// checked against its digest. Error: corrupt.
     [[nodiscard]] Result<std::vector<TileRow>> rows(std::optional<int32_t> level, bool with_blocks) const;
     [[nodiscard]] Result<std::vector<TileKey>> keys(int32_t level) const;
     [[nodiscard]] Result<int32_t> top_level() const; ///< -1: no tile
     /// One transaction: all of it or nothing.
     Status commit(int64_t generation, int64_t step, std::span<const TileRow> rows);
-    [[nodiscard]] Result<std::string> integrity() const; ///< "ok", or what SQLite found
+    /// "ok", or what is wrong with the form of the file or with the row of commits.
+    [[nodiscard]] Result<std::string> integrity() const;
+    /// The text of world.json when the world was made, or as set later; empty: not kept.
+    [[nodiscard]] const std::string& description() const { return description_; }
+    Status set_description(std::string_view text);
 
   private:
     StoreIndex(sqlite::Database db) : db_(std::move(db)) {}
@@ -52,6 +60,12 @@ class StoreIndex {
     mutable sqlite::Database db_;
     int64_t generation_ = 0;
     int64_t step_ = 0;
+    std::string description_;
 };
+
+/// tiles/L02/s-1_3/-17_99.g12.exr: 32 x 32 tiles a folder.
+std::string tile_file_name(TileKey key, int64_t generation);
+/// The other way round; false: not the name of a tile.
+bool parse_tile_file_name(const std::string& file, TileKey& key, int64_t& generation);
 
 } // namespace sahel

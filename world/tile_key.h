@@ -88,6 +88,14 @@ constexpr CellRect tile_rect(TileKey key, int64_t tile_cells) {
     return {key.x * tile_cells, key.y * tile_cells, (key.x + 1) * tile_cells, (key.y + 1) * tile_cells};
 }
 
+/// Keys that a file may name: levels 0 to 20, and no further out than 2^46 tiles of level 0, so that cells and half
+/// metres of any of them are int64.
+constexpr bool is_storable(TileKey key) {
+    if (key.level < 0 || key.level > 20) return false;
+    const int64_t most = (int64_t{1} << 46) >> key.level;
+    return key.x >= -most && key.x < most && key.y >= -most && key.y < most;
+}
+
 /// The tile that owns a cell of the given level.
 constexpr TileKey tile_of(Cell cell, int32_t level, int64_t tile_cells) {
     return {level, floor_div(cell.x, tile_cells), floor_div(cell.y, tile_cells)};

@@ -56,12 +56,6 @@ class WriterLock {
     int file_;
 };
 
-/// tiles/L02/s-1_3/-17_99.g12.exr: 32 x 32 tiles a folder.
-std::string tile_file(TileKey key, int64_t generation) {
-    return fmt::format("tiles/L{:02}/s{}_{}/{}_{}.g{}.exr", key.level, key.x >> 5, key.y >> 5, key.x, key.y,
-                       generation);
-}
-
 Status in_world(const fs::path& folder, const Status& status) {
     if (status.ok()) return {};
     Error e = status.error();
@@ -137,7 +131,7 @@ struct World::Impl {
     Result<TileRow> write_tile(const StoredTile& tile, int64_t generation, int64_t step) const {
         TileRow row;
         row.key = tile.key;
-        row.file = tile_file(tile.key, generation);
+        row.file = tile_file_name(tile.key, generation);
         row.generation = generation;
         row.step = step;
         SAHEL_ASSIGN(const std::vector<uint8_t> bytes, encode_tile(tile));
@@ -165,12 +159,6 @@ struct World::Impl {
         std::error_code ignored;
         for (const std::string& f : files) fs::remove(folder / f, ignored);
     }
-    Result<std::set<std::string>> indexed_files() const {
-        std::set<std::string> files;
-        SAHEL_ASSIGN(const auto rows, index.rows(std::nullopt, false));
-        for (const TileRow& r : rows) files.insert(r.file);
-        return files;
-    }
     std::vector<std::string> files_on_disk() const {
         std::vector<std::string> files;
         std::error_code error;
@@ -180,11 +168,32 @@ struct World::Impl {
         std::sort(files.begin(), files.end());
         return files;
     }
+    /// Removes what a killed commit left: files on their way, files of the commit that never was, and files that a
+    /// later commit replaced. Nothing else: a row that a damaged index lost must not cost the tile too.
     Status forget_orphans() {
-        SAHEL_ASSIGN(const std::set<std::string> known, indexed_files());
-        for (const std::string& f : files_on_disk())
-            if (!known.contains(f)) remove_files(std::span(&f, 1));
+        SAHEL_ASSIGN(const auto rows, index.rows(std::nullopt, false));
+        std::map<TileKey, int64_t> current;
+        for (const TileRow& r : rows) current[r.key] = r.generation;
+        for (const std::string& f : files_on_disk()) {
+            TileKey key;
+            int64_t generation = 0;
+            bool orphan = f.ends_with(".aside") && fs::path(f).filename().string().starts_with('.');
+            if (parse_tile_file_name(f, key, generation)) {
+                const auto row = current.find(key);
+                orphan = generation > index.generation() || (row != current.end() && row->second > generation);
+            }
+            if (orphan) remove_files(std::span(&f, 1));
+        }
         return {};
+    }
+    /// Whether the background still gives the very cells of a level 0 tile.
+    bool can_regenerate(const TileRow& row) const {
+        if (row.key.level > 0) return true; // from the level below
+        if (background.is_plain()) return false;
+        auto block = LayerBlock::allocate(0, tile_rect(row.key, desc.tile_cells), 0, k_persisted_layers);
+        if (!block.ok() || !background.read(*block).ok()) return false;
+        const auto tile = make_stored_tile(row.key, desc.tile_cells, *block);
+        return tile.ok() && hash_blocks(*tile) == row.blocks;
     }
 };
 
@@ -247,6 +256,9 @@ Status World::Impl::commit(int64_t step, std::span<const TileUpdate> updates) {
         SAHEL_CHECK(u.block != nullptr);
         if (u.key.level != 0 || !seen.insert(u.key).second)
             return Error{ErrorKind::usage, fmt::format("{}: a commit holds each level 0 tile once", folder.string())};
+        if (!is_storable(u.key))
+            return Error{ErrorKind::usage, fmt::format("{}: tile {},{} lies beyond the ends of any world",
+                                                       folder.string(), u.key.x, u.key.y)};
     }
     const int64_t generation = index.generation() + 1;
     std::vector<TileRow> rows;
@@ -288,7 +300,7 @@ Result<World> World::create(const fs::path& folder, const WorldDesc& desc) {
     SAHEL_TRY(make_folder(folder));
     SAHEL_ASSIGN(WriterLock lock, WriterLock::take(folder));
     {
-        auto index = StoreIndex::create(folder / "index.sqlite", desc);
+        auto index = StoreIndex::create(folder / "index.sqlite", desc, world_json(desc));
         if (!index.ok()) return index.error();
     }
     SAHEL_TRY(make_folder(folder / "tiles"));
@@ -402,18 +414,26 @@ Result<std::string> World::hash() const {
 Result<VerifyReport> World::verify(const std::function<void(int64_t, int64_t)>& progress) const {
     const std::lock_guard guard(impl_->mutex);
     VerifyReport report;
+    SAHEL_ASSIGN(const std::string text, read_text_file(impl_->folder / "world.json"));
+    if (const std::string& made = impl_->index.description(); !made.empty() && text != made)
+        report.issues.push_back(
+            {"world.json", "not what was written; if you edited it, say so: sahel verify --accept-edits", false});
     SAHEL_ASSIGN(const std::string index_state, impl_->index.integrity());
     if (index_state != "ok") report.issues.push_back({"index.sqlite", "damaged: " + index_state, false});
-    SAHEL_ASSIGN(const auto rows, impl_->index.rows(std::nullopt, true));
+    auto all_rows = impl_->index.rows(std::nullopt, true);
+    if (!all_rows.ok() && all_rows.error().kind == ErrorKind::corrupt) {
+        report.issues.push_back({"index.sqlite", all_rows.error().message, false});
+        return report;
+    }
+    SAHEL_ASSIGN(const auto rows, std::move(all_rows));
     std::set<std::string> known;
     for (const TileRow& r : rows) {
         known.insert(r.file);
-        const bool regenerable = r.key.level > 0; // from the level below
         std::error_code error;
         if (!fs::exists(impl_->folder / r.file, error)) {
-            report.issues.push_back({r.file, "missing", regenerable});
+            report.issues.push_back({r.file, "missing", impl_->can_regenerate(r)});
         } else if (auto tile = impl_->read_row(r); !tile.ok()) {
-            report.issues.push_back({r.file, tile.error().message, regenerable});
+            report.issues.push_back({r.file, tile.error().message, impl_->can_regenerate(r)});
         } else if (r.key.level == 0 && hash_blocks(*tile) != r.blocks) {
             report.issues.push_back({r.file, "the index holds other state hashes than the tile", false});
         }
@@ -424,6 +444,14 @@ Result<VerifyReport> World::verify(const std::function<void(int64_t, int64_t)>& 
     for (const std::string& f : impl_->files_on_disk())
         if (!known.contains(f)) report.issues.push_back({f, "does not belong to this world; it can be deleted", false});
     return report;
+}
+
+Status World::accept_description() {
+    if (impl_->mode != OpenMode::write)
+        return Error{ErrorKind::usage, fmt::format("{}: opened for reading", impl_->folder.string())};
+    const std::lock_guard guard(impl_->mutex);
+    SAHEL_ASSIGN(const std::string text, read_text_file(impl_->folder / "world.json"));
+    return in_world(impl_->folder, impl_->index.set_description(text));
 }
 
 } // namespace sahel

@@ -59,7 +59,7 @@ struct WorldInfo {
     int64_t tile_count = 0;   ///< level 0
     int64_t parent_count = 0; ///< levels above 0
     uint64_t disk_bytes = 0;
-    CellRect bounds;          ///< of the stored level 0 tiles
+    CellRect bounds; ///< of the stored level 0 tiles
     float min_surface_m = 0.0f;
     float max_surface_m = 0.0f;
 };
@@ -111,8 +111,11 @@ class World {
     /// Hash of all stored state over world cells in world order: independent of tile size, files and commits.
     /// 32 hexadecimal digits.
     [[nodiscard]] Result<std::string> hash() const;
-    /// Re-reads everything. `progress(done, total)` may be empty.
+    /// Re-reads everything and finds any byte that is not what was written, missing files and files too many.
+    /// `progress(done, total)` may be empty.
     [[nodiscard]] Result<VerifyReport> verify(const std::function<void(int64_t, int64_t)>& progress = {}) const;
+    /// world.json was edited on purpose: from now on verify takes it as it is. Needs write mode.
+    Status accept_description();
 
   private:
     struct Impl;

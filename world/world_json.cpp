@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 namespace sahel {
 
@@ -32,7 +33,12 @@ class Reader {
                           : std::is_integral_v<T>        ? found->is_number_integer()
                                                          : found->is_number();
         if (!fits) return fail(key, "has the wrong type: " + json_description(*found));
-        out = found->get<T>();
+        if constexpr (std::is_integral_v<T>) {
+            const bool holds = found->is_number_unsigned() ? std::in_range<T>(found->template get<uint64_t>())
+                                                           : std::in_range<T>(found->template get<int64_t>());
+            if (!holds) return fail(key, "is out of range: " + json_description(*found));
+        }
+        out = found->template get<T>();
     }
     const Json* object(const char* key) {
         known_.emplace_back(key);
@@ -145,6 +151,11 @@ Status check_world_desc(const WorldDesc& desc, std::string_view where) {
         return bad(fmt::format("cell_m {} must lie between 0.01 and 10000", desc.cell_m));
     if (!(std::abs(desc.outside_m) < 16000.0))
         return bad(fmt::format("outside_m {} must lie between -16000 and 16000", desc.outside_m));
+    if (desc.sea_m && !(std::abs(*desc.sea_m) < 16000.0))
+        return bad(fmt::format("sea_m {} must lie between -16000 and 16000", *desc.sea_m));
+    if (const auto& g = desc.georeference)
+        for (const double v : {g->origin_x, g->origin_y, g->cell_x, g->cell_y, g->datum_m})
+            if (!(std::abs(v) < 1e12)) return bad(fmt::format("georeference holds {}, beyond any map", v));
     if (desc.preset != "none") SAHEL_TRY(check_ranges(desc.terrain, where));
     return {};
 }

@@ -207,7 +207,7 @@ TEST(DetMath, ExactWhereTheAnswerIsExact) {
 constexpr NamedRow k_plain[] = SAHEL_DET_ROWS(test::det_plain);
 [[maybe_unused]] constexpr NamedRow k_base[] = SAHEL_DET_ROWS(test::det_base);
 [[maybe_unused]] constexpr NamedRow k_v3[] = SAHEL_DET_ROWS(test::det_v3);
-#if SAHEL_DET_OTHER_COMPILER
+#if defined(SAHEL_OTHER_COMPILER)
 constexpr NamedRow k_other[] = SAHEL_DET_ROWS(test::det_other);
 #endif
 
@@ -295,9 +295,9 @@ TEST(DetMath, SameBitsUnoptimisedAndForV3) {
 }
 
 TEST(DetMath, SameBitsFromAnotherCompiler) {
-#if SAHEL_DET_OTHER_COMPILER
+#if defined(SAHEL_OTHER_COMPILER)
     if (best_isa() != Isa::v3) GTEST_SKIP() << "this machine has no x86-64-v3";
-    expect_same_bits(k_other, SAHEL_DET_OTHER_COMPILER_NAME);
+    expect_same_bits(k_other, SAHEL_OTHER_COMPILER);
 #else
     GTEST_SKIP() << "only one of g++ and clang++ is installed";
 #endif
