@@ -27,12 +27,12 @@ struct Cover {
     float add_m;
     bool removes;
 };
-constexpr std::array k_covers = {
-    Cover{"7 %", 0.07f, 5.0f, 10.0f, false, 5.0f, false},
+constexpr std::array<Cover, 4> k_covers = {{
+    {"7 %", 0.07f, 5.0f, 10.0f, false, 5.0f, false},
     Cover{"22 %", 0.22f, 10.0f, 10.0f, true, 0.5f, true},
     Cover{"64 %", 0.64f, 10.0f, 50.0f, true, 0.5f, true},
     Cover{"100 %", 1.0f, 10.0f, 50.0f, true, 1.0f, false},
-};
+}};
 constexpr std::array<float, 3> k_angles = {45.0f, 105.0f, 150.0f};
 
 } // namespace

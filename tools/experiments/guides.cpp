@@ -27,14 +27,14 @@ struct Guide {
     double cover, deviation_m, highest_m;
     bool quick; ///< belongs to the quick form too
 };
-constexpr std::array k_guides = {
-    Guide{"B-like, 256, 1 m, k_r 0", 256, 1.0, 3.0, 5.0, 3.0f, 31, 0.0f, 1000, 0.71, 3.65, 12.6, false},
+constexpr std::array<Guide, 6> k_guides = {{
+    {"B-like, 256, 1 m, k_r 0", 256, 1.0, 3.0, 5.0, 3.0f, 31, 0.0f, 1000, 0.71, 3.65, 12.6, false},
     Guide{"B-like, 256, 1 m, k_r 1", 256, 1.0, 3.0, 5.0, 3.0f, 31, 1.0f, 1000, 0.70, 3.74, 13.1, false},
     Guide{"B-like, 256, 0.5 m, k_r 1", 256, 0.5, 3.0, 5.0, 3.0f, 62, 1.0f, 300, 0.80, 3.25, 11.9, true},
     Guide{"A-like, 256, 1 m, k_r 1", 256, 1.0, 0.5, 2.0, 5.0f, 25, 1.0f, 1000, 0.28, 2.38, 12.9, false},
     Guide{"A 512, 2 m, k_r 0", 512, 2.0, 0.5, 2.0, 5.0f, 13, 0.0f, 1000, 0.43, 1.44, 5.5, false},
     Guide{"B 512, 2 m, k_r 0", 512, 2.0, 3.0, 5.0, 3.0f, 15, 0.0f, 600, 0.94, 1.47, 8.3, false},
-};
+}};
 
 } // namespace
 

@@ -19,9 +19,12 @@ struct Reference {
     float smoothing;
     double across_m, along_m, correlation; ///< of the independent implementation (method 5.5, E6 ref.)
 };
-constexpr std::array k_series = {
-    Reference{0.0f, 0.023, 0.129, 0.36}, {0.5f, 0.019, 0.121, 0.22}, {1.0f, 0.019, 0.135, 0.0},
-    {2.0f, 0.072, 0.124, -0.81},         {5.0f, 0.25, 0.21, 0.30},   {10.0f, 0.32, 0.52, -0.43}};
+constexpr std::array<Reference, 6> k_series = {{{0.0f, 0.023, 0.129, 0.36},
+                                                {0.5f, 0.019, 0.121, 0.22},
+                                                {1.0f, 0.019, 0.135, 0.0},
+                                                {2.0f, 0.072, 0.124, -0.81},
+                                                {5.0f, 0.25, 0.21, 0.30},
+                                                {10.0f, 0.32, 0.52, -0.43}}};
 
 } // namespace
 
