@@ -1,9 +1,11 @@
 #include "streaming/simulation_params.h"
 
+#include "world/file_io.h"
 #include "world/params_json.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -106,7 +108,10 @@ Result<Aeolian::Desc> aeolian_desc(const SimulationParams& params, const WorldDe
     aeolian.cell_m = desc.cell_m;
     aeolian.seed = desc.seed;
     if (!params.rose.empty()) {
-        SAHEL_ASSIGN(aeolian.schedule, WindSchedule::from_file(world_folder / params.rose));
+        const std::filesystem::path file = world_folder / params.rose;
+        SAHEL_ASSIGN(const std::string text, read_text_file(file));
+        SAHEL_ASSIGN(aeolian.schedule, file.extension() == ".json" ? WindSchedule::from_json(text, file.string())
+                                                                   : WindSchedule::from_csv(text, file.string()));
     }
     return aeolian;
 }
