@@ -107,8 +107,12 @@ Status Aeolian::supply(TileDomain& domain, int64_t step) {
     const Pass pass = supply_pass(p, desc_.seed, step, remove);
     SAHEL_TRY(run_passes(domain, std::span(&pass, 1)));
     SAHEL_ASSIGN(const std::vector<int64_t> after, domain.sums(SimLayer::sand));
-    for (size_t i = 0; i < after.size(); ++i)
+    for (size_t i = 0; i < after.size(); ++i) {
         (add ? supplied_[i].added_ticks : supplied_[i].removed_ticks) += std::abs(after[i] - before[i]);
+        if (domain.keeps_flows())
+            domain.add_source(add ? LedgerSource::supply_added : LedgerSource::supply_removed, SimLayer::sand,
+                              static_cast<int32_t>(i), after[i] - before[i]);
+    }
     return {};
 }
 

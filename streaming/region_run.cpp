@@ -41,6 +41,7 @@ Digest digest_of(const SimulationParams& params, const Aeolian::Desc& desc) {
     if (desc.schedule)
         for (const WindSchedule::Row& row : desc.schedule->rows())
             text += fmt::format(" {} {} {}", row.start_s, row.wind.speed_m_per_s, row.wind.angle_deg);
+    if (desc.schedule) text += fmt::format(" {}", desc.schedule->length_s());
     return checksum({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 

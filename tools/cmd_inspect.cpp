@@ -1,4 +1,6 @@
+#include "streaming/region_run.h"
 #include "tools/command.h"
+#include "tools/report_ledger.h"
 #include "world/world.h"
 
 #include <fmt/format.h>
@@ -46,7 +48,21 @@ int run_info(const Options& o) {
         report["origin"] = fmt::format("{:.3f}, {:.3f}", desc.georeference->origin_x, desc.georeference->origin_y);
         report["datum_m"] = desc.georeference->datum_m;
     }
+    auto ledger = read_world_ledger(*world);
+    if (!ledger.ok()) return fail(ledger.error());
+    if (!ledger->book.tiles().empty()) {
+        if (o.json) {
+            nlohmann::ordered_json json = ledger_json(ledger->book, ledger->check, true);
+            for (const SimLayer layer : k_ledger_layers)
+                json["waiting"][std::string(info_of(layer).name)] = ledger->waiting[ledger_index(layer)];
+            report["ledger"] = std::move(json);
+        } else {
+            report["simulated_tiles"] = ledger->book.tiles().size();
+        }
+    }
     print_report(report, o.json);
+    if (!o.json) fmt::print("{}", ledger_text(ledger->book, &ledger->waiting));
+    if (!ledger->check.closed()) return fail({ErrorKind::corrupt, o.world + ": " + ledger->check.text});
     return 0;
 }
 
