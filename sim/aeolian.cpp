@@ -119,12 +119,9 @@ Status Aeolian::step(TileDomain& domain, int64_t step) {
 
     // Solved when the step says so, never by what happened to run before: a resumed run does the same.
     const WindNow now = wind_at(step);
-    solved_ = solved_ || wind_.max_speed() > 0.0f;
-    const bool fresh = !solved_ || step % desc_.wind.epoch_steps == 0 || (step > 0 && !(now == wind_at(step - 1)));
-    if (fresh) {
-        SAHEL_TRY(wind_.solve(domain, now));
-        solved_ = true;
-    }
+    const bool fresh =
+        !wind_.solved() || step % desc_.wind.epoch_steps == 0 || (step > 0 && !(now == wind_at(step - 1)));
+    if (fresh) SAHEL_TRY(wind_.solve(domain, now));
     stats_.max_wind_m_per_s = wind_.max_speed();
 
     const int32_t parts = parts_of(p);

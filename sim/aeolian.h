@@ -72,7 +72,6 @@ class Aeolian {
     Desc desc_;
     WindSchedule schedule_;
     WindGrid wind_;
-    bool solved_ = false;
     AeolianStats stats_;
     std::vector<SupplyAccount> supplied_;
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/avalanche_rules.h"
 #include "sim/sand_params.h"
 #include "sim/tile_domain.h"
 
@@ -8,8 +9,6 @@
 /// Avalanching of sand, soil and bedrock (Desertscape method 3.11 and 3.12) in ticks: every slope steeper than repose
 /// gives to its lower neighbours, each transfer rounded once, gathered by its receiver.
 namespace sahel {
-
-enum class AvalancheKind : uint8_t { sand, soil, bedrock };
 
 struct AvalancheStats {
     int32_t sweeps = 0;

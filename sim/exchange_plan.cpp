@@ -79,6 +79,7 @@ ExchangePlan::ExchangePlan(const TileLayout& layout) : n_(layout.tile_cells), ha
 
     std::map<std::pair<int32_t, int32_t>, std::vector<HaloCopy>> by_pair; // (dst, src)
     borders_.resize(layout.tiles.size());
+    partners_.resize(layout.tiles.size());
     for (int32_t slot = 0; slot < static_cast<int32_t>(layout.tiles.size()); ++slot) {
         const TileKey key = layout.tiles[static_cast<size_t>(slot)];
         for (int k = 0; k < k_direction_count; ++k) {
@@ -104,6 +105,8 @@ ExchangePlan::ExchangePlan(const TileLayout& layout) : n_(layout.tile_cells), ha
                 continue;
             }
             border = ax.flip() || ay.flip() ? Border::wall : Border::neighbour;
+            partners_[static_cast<size_t>(slot)][static_cast<size_t>(k)] = {
+                found->second, direction_of(ax.flip() ? dx : -dx, ay.flip() ? dy : -dy)};
             by_pair[{slot, found->second}].push_back({found->second, slot, rect, source_of(rect.x0, dx, n_, ax.flip()),
                                                       source_of(rect.y0, dy, n_, ay.flip()), ax.flip() ? -1 : 1,
                                                       ay.flip() ? -1 : 1});

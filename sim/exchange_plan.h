@@ -75,6 +75,13 @@ struct EdgeFill {
     Border border = Border::open;
 };
 
+/// The other side of a border: what crosses border `direction` of a slot is what its partner sees cross its own, with
+/// the opposite sign. A wall is its own partner; beside a corner of one it is the tile next to it along the wall.
+struct BorderPartner {
+    int32_t slot = -1; ///< -1: nobody is there (frozen, open, level)
+    int32_t direction = 0;
+};
+
 class ExchangePlan {
   public:
     ExchangePlan() = default;
@@ -82,6 +89,9 @@ class ExchangePlan {
 
     [[nodiscard]] Border border(int32_t slot, int direction) const {
         return borders_[static_cast<size_t>(slot)][static_cast<size_t>(direction)];
+    }
+    [[nodiscard]] BorderPartner partner(int32_t slot, int direction) const {
+        return partners_[static_cast<size_t>(slot)][static_cast<size_t>(direction)];
     }
     [[nodiscard]] std::span<const HaloCopy> copies() const { return copies_; }
     [[nodiscard]] std::span<const HaloMessage> messages() const { return messages_; }
@@ -103,6 +113,7 @@ class ExchangePlan {
     int32_t halo_ = 0;
     bool has_frozen_ = false;
     std::vector<std::array<Border, k_direction_count>> borders_;
+    std::vector<std::array<BorderPartner, k_direction_count>> partners_;
     std::vector<HaloCopy> copies_; ///< grouped by message
     std::vector<HaloMessage> messages_;
     std::vector<EdgeFill> fills_;

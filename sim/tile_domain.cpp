@@ -333,29 +333,54 @@ Result<std::string> TileDomain::hash(SimLayerSet layers) const {
 
 namespace {
 
-size_t conserved_index(SimLayer layer) {
-    SAHEL_CHECK(k_conserved_layers.contains(layer));
-    size_t i = 0;
-    k_conserved_layers.for_each([&](SimLayer l) { i += l < layer ? 1u : 0u; });
-    return i;
+int32_t conserved_count(SimLayerSet layers) {
+    int32_t count = 0;
+    k_conserved_layers.for_each([&](SimLayer l) { count += layers.contains(l); });
+    return count;
+}
+
+uint64_t allocated(uint64_t bytes) { // Buffer takes whole cache lines
+    return (bytes + 63) / 64 * 64;
+}
+
+uint64_t inbox_bytes(const TileLayout& layout, SimLayerSet layers) {
+    const FrameIndex frame{layout.tile_cells, layout.halo};
+    return static_cast<uint64_t>(conserved_count(layers)) * layout.tiles.size() * static_cast<uint64_t>(frame.count()) *
+           sizeof(int32_t);
 }
 
 } // namespace
 
+size_t TileDomain::flow_index(SimLayer layer) const {
+    SAHEL_CHECK(k_conserved_layers.contains(layer) && layers_.contains(layer));
+    size_t i = 0;
+    k_conserved_layers.for_each([&](SimLayer l) { i += l < layer && layers_.contains(l) ? 1u : 0u; });
+    return i;
+}
+
+uint64_t TileDomain::flow_bytes(const TileLayout& layout, SimLayerSet layers) {
+    const uint64_t flows = static_cast<uint64_t>(conserved_count(layers)) * layout.tiles.size() * sizeof(SlotFlows);
+    const bool frozen = ExchangePlan(layout).has_frozen() && layout.halo > 0;
+    return allocated(flows) + (frozen ? allocated(inbox_bytes(layout, layers)) + allocated(layout.tiles.size()) : 0);
+}
+
 Status TileDomain::keep_flows() {
     const auto slot_count = static_cast<uint64_t>(slots());
-    const uint64_t flow_bytes = k_conserved_count * slot_count * sizeof(SlotFlows);
+    const auto layer_count = static_cast<uint64_t>(conserved_count(layers_));
     const auto zero = [&](Buffer& buffer, uint64_t bytes) -> Status {
-        if (buffer.bytes() != bytes) {
+        if (buffer.empty()) {
             SAHEL_ASSIGN(buffer, Buffer::allocate(*pool_, bytes));
         }
+        if (bytes == 0) return {};
         if (device_) return cuda::fill_words(static_cast<uint32_t*>(buffer.data()), static_cast<int64_t>(bytes / 4), 0);
         std::memset(buffer.data(), 0, bytes);
         return {};
     };
-    SAHEL_TRY(zero(flows_, flow_bytes));
-    if (!plan_.has_frozen()) return {};
-    SAHEL_TRY(zero(inbox_, k_conserved_count * slot_count * static_cast<uint64_t>(frame().count()) * 4));
+    SAHEL_TRY(zero(flows_, layer_count * slot_count * sizeof(SlotFlows)));
+    sources_.assign(k_ledger_source_count * layer_count * slot_count, 0);
+    if (!plan_.has_frozen() || halo() == 0) return {};
+    SAHEL_TRY(zero(inbox_, inbox_bytes(layout_, layers_)));
+    if (!frozen_.empty()) return {};
     std::vector<uint8_t> bits(slot_count, 0);
     for (int32_t slot = 0; slot < slots(); ++slot)
         for (int k = 0; k < k_direction_count; ++k)
@@ -367,9 +392,27 @@ Status TileDomain::keep_flows() {
     return {};
 }
 
+void TileDomain::add_source(LedgerSource source, SimLayer layer, int32_t slot, int64_t ticks) {
+    SAHEL_CHECK(keeps_flows());
+    const auto slot_count = static_cast<size_t>(slots());
+    sources_[(static_cast<size_t>(source) * (sources_.size() / slot_count / k_ledger_source_count) +
+              flow_index(layer)) *
+                 slot_count +
+             static_cast<size_t>(slot)] += ticks;
+}
+
+int64_t TileDomain::source(LedgerSource source, SimLayer layer, int32_t slot) const {
+    SAHEL_CHECK(keeps_flows());
+    const auto slot_count = static_cast<size_t>(slots());
+    return sources_[(static_cast<size_t>(source) * (sources_.size() / slot_count / k_ledger_source_count) +
+                     flow_index(layer)) *
+                        slot_count +
+                    static_cast<size_t>(slot)];
+}
+
 BorderFlowsView TileDomain::border_flows(SimLayer layer) {
     SAHEL_CHECK(keeps_flows());
-    const auto first = static_cast<int64_t>(conserved_index(layer)) * slots();
+    const auto first = static_cast<int64_t>(flow_index(layer)) * slots();
     BorderFlowsView view;
     view.frame = frame();
     view.flows = static_cast<int64_t*>(flows_.data()) + first * k_direction_count;
@@ -382,7 +425,7 @@ BorderFlowsView TileDomain::border_flows(SimLayer layer) {
 Result<std::vector<TileDomain::SlotFlows>> TileDomain::flows(SimLayer layer) const {
     SAHEL_CHECK(keeps_flows());
     std::vector<SlotFlows> out(static_cast<size_t>(slots()));
-    const auto* from = static_cast<const SlotFlows*>(flows_.data()) + conserved_index(layer) * out.size();
+    const auto* from = static_cast<const SlotFlows*>(flows_.data()) + flow_index(layer) * out.size();
     if (device_) {
         SAHEL_TRY(cuda::copy_to_host(out.data(), from, out.size() * sizeof(SlotFlows)));
     } else {
@@ -396,7 +439,7 @@ Result<std::vector<int32_t>> TileDomain::inbox(int32_t slot, SimLayer layer) con
     if (inbox_.empty()) return out;
     out.resize(static_cast<size_t>(frame().count()));
     const auto* from = static_cast<const int32_t*>(inbox_.data()) +
-                       (static_cast<int64_t>(conserved_index(layer)) * slots() + slot) * frame().count();
+                       (static_cast<int64_t>(flow_index(layer)) * slots() + slot) * frame().count();
     if (device_) {
         SAHEL_TRY(cuda::copy_to_host(out.data(), from, out.size() * 4));
     } else {

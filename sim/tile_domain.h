@@ -2,6 +2,7 @@
 
 #include "sim/border_flows.h"
 #include "sim/exchange_plan.h"
+#include "sim/ledger_sources.h"
 #include "sim/pass.h"
 #include "sim/sim_layers.h"
 #include "sim/slab_view.h"
@@ -45,6 +46,7 @@ class TileDomain {
     [[nodiscard]] int32_t halo() const { return layout_.halo; }
     [[nodiscard]] SimLayerSet layers() const { return layers_; }
     [[nodiscard]] bool on_device() const { return device_; }
+    [[nodiscard]] MemoryPool& pool() const { return *pool_; }
     [[nodiscard]] CellPlaces places() const;
     [[nodiscard]] int64_t owned_cells() const { return int64_t{slots()} * tile_cells() * tile_cells(); }
 
@@ -97,8 +99,11 @@ class TileDomain {
     /// 32 hexadecimal digits. (A sum over cells of a mixed word; for comparing runs, not against forgery.)
     Result<std::string> hash(SimLayerSet layers) const;
 
-    /// From now on passes account what crosses the borders of tiles (border_flows.h), from zero.
+    /// From now on passes account what crosses the borders of tiles (border_flows.h) and sources what they add, from
+    /// zero. Errors: budget.
     Status keep_flows();
+    /// The bytes that keep_flows takes of the pool, exactly.
+    static uint64_t flow_bytes(const TileLayout& layout, SimLayerSet layers);
     [[nodiscard]] bool keeps_flows() const { return !flows_.empty(); }
     /// For the launchers of passes that move the conserved layer.
     [[nodiscard]] BorderFlowsView border_flows(SimLayer layer);
@@ -108,6 +113,9 @@ class TileDomain {
     /// What frozen neighbours were given since keep_flows: ticks for each halo cell, in FrameIndex order. Empty where
     /// nothing is frozen.
     [[nodiscard]] Result<std::vector<int32_t>> inbox(int32_t slot, SimLayer layer) const;
+    /// Ticks that a named source added to a slot (taken: negative). Called by what adds them, when keeps_flows().
+    void add_source(LedgerSource source, SimLayer layer, int32_t slot, int64_t ticks);
+    [[nodiscard]] int64_t source(LedgerSource source, SimLayer layer, int32_t slot) const;
     [[nodiscard]] FrameIndex frame() const { return {tile_cells(), halo()}; }
 
     /// How often exchange ran, and how many halo words it moved.
@@ -123,6 +131,7 @@ class TileDomain {
         const SlabView<uint32_t> w = words(layer);
         return {reinterpret_cast<T*>(w.origin), w.stride, w.slot_stride, w.first, w.last};
     }
+    [[nodiscard]] size_t flow_index(SimLayer layer) const; ///< among the domain's conserved layers
     struct CoverList {
         std::vector<WorkItem> items;
         Buffer device_items;
@@ -145,9 +154,10 @@ class TileDomain {
     std::map<int32_t, CoverList> covers_;
     VisitOrder order_ = VisitOrder::forward;
     ExchangeCount counts_;
-    Buffer flows_;  ///< int64 [conserved layer][slot][direction]
-    Buffer inbox_;  ///< int32 [conserved layer][slot][frame cell]
-    Buffer frozen_; ///< bits of frozen directions, by slot
+    Buffer flows_;                 ///< int64 [conserved layer of the domain][slot][direction]
+    Buffer inbox_;                 ///< int32 [conserved layer of the domain][slot][frame cell]
+    Buffer frozen_;                ///< bits of frozen directions, by slot
+    std::vector<int64_t> sources_; ///< [source][conserved layer of the domain][slot]
 };
 
 } // namespace sahel

@@ -13,7 +13,7 @@
 ///        h
 ///        |      ____             M = max over k of (h(p - k d) - h(p)) / (k l)
 ///        |  ___/    \___         shelter 0 for M <= tan(shadow_min), 1 for M >= tan(shadow_max), linear between
-///        |_/            \__p     d = w / (|w| + 1e-6), l = side of a cell
+///        |_/            \__p     d = w / |w|, l = side of a cell
 ///           k l <- <- <- <-      wind ->
 ///
 /// Positions are offsets from the own cell, so that the bits do not depend on where a tile begins. Weights are full
@@ -21,12 +21,13 @@
 /// shadow across the seam of its world.)
 namespace sahel {
 
-/// Unit vector of the wind, a little short; zero without wind.
+/// Unit vector of the wind; zero without wind. (Published: w / (|w| + 1e-6), a little short. Then a cliff of 10 m counts
+/// as one of 9.999998 m, and its eddy ends before the cell 4 m off.)
 struct WindDirection {
     float x;
     float y;
     SAHEL_HD static WindDirection of(float wx, float wy) {
-        const float speed = det::sqrt(wx * wx + wy * wy) + 1e-6f;
+        const float speed = det::max(det::sqrt(wx * wx + wy * wy), 1e-6f);
         return {wx / speed, wy / speed};
     }
 };

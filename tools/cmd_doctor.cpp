@@ -6,9 +6,14 @@
 #include "world/cuda_runtime.h"
 
 #include <fmt/format.h>
-#include <gdal_version.h>
+#include <gdal.h>
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+#include <imgui.h>
+#include <meshoptimizer.h>
 #include <oneapi/tbb/version.h>
 #include <OpenEXRConfig.h>
+#include <png.h>
 #include <sqlite3.h>
 
 #include <cstdlib>
@@ -18,10 +23,17 @@ namespace sahel::tools {
 
 namespace {
 
+#if defined(__clang__)
+constexpr const char* k_compiler = "clang";
+#else
+constexpr const char* k_compiler = "g++";
+#endif
+
 int run(bool json) {
     nlohmann::ordered_json report;
     std::vector<std::string> hints;
     const CpuInfo cpu = cpu_info();
+    report["sahel"] = fmt::format("{}, {} build by {} {}", SAHEL_VERSION, SAHEL_BUILD_TYPE, k_compiler, __VERSION__);
     report["processor"] = fmt::format("{}, {} cores, {} memory", cpu.name, cpu.cores, human_bytes(cpu.memory_bytes));
     report["kernels"] = isa() == Isa::v3 ? "x86-64-v3 (AVX2)" : "baseline";
     if (isa() != Isa::v3) hints.emplace_back("a processor with AVX2 runs the kernels about twice as fast");
@@ -59,8 +71,14 @@ int run(bool json) {
     report["ffmpeg"] = ffmpeg.empty() ? "not found" : ffmpeg.string();
     if (ffmpeg.empty())
         hints.emplace_back("ffmpeg would let fly and demo write MP4 files instead of folders of pictures");
-    report["libraries"] = fmt::format("OpenEXR {}, GDAL {}, SQLite {}, oneTBB {}.{}", OPENEXR_VERSION_STRING,
-                                      GDAL_RELEASE_NAME, sqlite3_libversion(), TBB_VERSION_MAJOR, TBB_VERSION_MINOR);
+    report["libraries"] = fmt::format(
+        "OpenEXR {}, GDAL {}, SQLite {}, oneTBB {}.{}, libpng {}, GLFW {}.{}, Dear ImGui {}, meshoptimizer {}.{}, "
+        "nlohmann-json {}.{}.{}, CLI11 {}, fmt {}.{}",
+        OPENEXR_VERSION_STRING, GDALVersionInfo("RELEASE_NAME"), sqlite3_libversion(), TBB_VERSION_MAJOR,
+        TBB_VERSION_MINOR, png_get_libpng_ver(nullptr), GLFW_VERSION_MAJOR, GLFW_VERSION_MINOR, IMGUI_VERSION,
+        MESHOPTIMIZER_VERSION / 1000, MESHOPTIMIZER_VERSION % 1000 / 10, NLOHMANN_JSON_VERSION_MAJOR,
+        NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH, CLI11_VERSION, FMT_VERSION / 10000,
+        FMT_VERSION % 10000 / 100);
     if (json) {
         report["hints"] = hints;
         print_report(report, true);

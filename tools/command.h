@@ -70,6 +70,7 @@ void add_new_command(CommandLine& line);
 void add_import_command(CommandLine& line);
 void add_inspect_commands(CommandLine& line); // info, hash, verify
 void add_doctor_command(CommandLine& line);
+void add_scene_command(CommandLine& line);
 void add_bench_command(CommandLine& line);
 void add_fly_command(CommandLine& line);
 void add_demo_command(CommandLine& line);

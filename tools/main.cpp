@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
     add_fly_command(line);
     add_demo_command(line);
     add_inspect_commands(line);
+    add_scene_command(line);
     add_experiment_command(line);
     add_bench_command(line);
     add_doctor_command(line);

@@ -27,24 +27,30 @@ sahel_install() { # PACKAGE...
   if [ "$(id -u)" -ne 0 ]; then
     as_root=(sudo)
     echo "These packages are missing and need sudo to install: ${missing[*]}"
+    if ! command -v sudo >/dev/null 2>&1; then
+      echo "There is no sudo here; as root: apt-get install ${missing[*]}" >&2
+      return 1
+    fi
   else
     echo "Installing missing packages: ${missing[*]}"
   fi
-  "${as_root[@]}" apt-get update -qq || return 1
+  local log status=0
+  log=$(mktemp) || return 1
+  "${as_root[@]}" apt-get update -qq || { rm -f "$log"; return 1; }
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" \
-    >/tmp/sahel-apt.$$ 2>&1 || { cat /tmp/sahel-apt.$$ >&2; rm -f /tmp/sahel-apt.$$; return 1; }
-  rm -f /tmp/sahel-apt.$$
+    >"$log" 2>&1 || { status=1; cat "$log" >&2; }
+  rm -f "$log"
+  return $status
 }
 
 sahel_configure() { # PRESET [CMAKE ARGUMENT...]
   local preset=$1
   shift
   [ -f "build/$preset/build.ninja" ] && [ $# -eq 0 ] && return 0 # ninja configures again by itself when it must
-  cmake --preset "$preset" "$@" >"/tmp/sahel-configure.$$" 2>&1 || {
-    cat "/tmp/sahel-configure.$$" >&2
-    rm -f "/tmp/sahel-configure.$$"
-    return 1
-  }
-  tail -n 4 "/tmp/sahel-configure.$$" | head -n 1
-  rm -f "/tmp/sahel-configure.$$"
+  local log status=0
+  log=$(mktemp) || return 1
+  cmake --preset "$preset" "$@" >"$log" 2>&1 || { status=1; cat "$log" >&2; }
+  grep -E '^-- Sahel [0-9]' "$log"
+  rm -f "$log"
+  return $status
 }

@@ -61,6 +61,35 @@ bool whole_number(const std::string& text, int64_t& value) {
     return error == std::errc() && end == text.data() + text.size();
 }
 
+/// Whether programs may add up the four materials of every cell, in this order, in int32.
+bool surface_fits(const StoredTile& tile) {
+    if (k_surface_layers.intersected(tile.varying).empty()) { // one value everywhere
+        int64_t sum = 0;
+        bool fits = true;
+        k_surface_layers.for_each([&](Layer layer) {
+            sum += tile.constant[static_cast<size_t>(layer)];
+            fits = fits && sum == static_cast<int32_t>(sum);
+        });
+        return fits;
+    }
+    const auto n = static_cast<size_t>(tile.tile_cells);
+    std::vector<int64_t> sum(n);
+    std::vector<int32_t> row(n);
+    int64_t low = 0, high = 0;
+    for (int y = 0; y < tile.tile_cells; ++y) {
+        std::fill(sum.begin(), sum.end(), 0);
+        k_surface_layers.for_each([&](Layer layer) {
+            tile.copy_row(layer, 0, y, tile.tile_cells, row.data());
+            for (size_t x = 0; x < n; ++x) {
+                sum[x] += row[x];
+                low = std::min(low, sum[x]);
+                high = std::max(high, sum[x]);
+            }
+        });
+    }
+    return low >= INT32_MIN && high <= INT32_MAX;
+}
+
 Imf::Compression exr_compression(TileCompression c) {
     switch (c) {
     case TileCompression::none:
@@ -134,6 +163,9 @@ Result<StoredTile> make_stored_tile(TileKey key, int tile_cells, const LayerBloc
 }
 
 Result<std::vector<uint8_t>> encode_tile(const StoredTile& tile, TileCompression compression) {
+    if (!surface_fits(tile))
+        return Error{ErrorKind::usage,
+                     fmt::format("tile {},{},{}: heights beyond +-16 km", tile.key.level, tile.key.x, tile.key.y)};
     try {
         const int n = tile.tile_cells;
         Imf::Header header(n, n);
@@ -239,6 +271,7 @@ Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string
             file.setFrameBuffer(frame);
             file.readTiles(0, file.numXTiles() - 1, 0, file.numYTiles() - 1);
         }
+        if (!surface_fits(tile)) return corrupt("heights beyond +-16 km");
         return tile;
     } catch (const std::exception& e) {
         return corrupt(e.what());

@@ -18,7 +18,7 @@ inline constexpr int k_tile_format_version = 1;
 
 enum class TileCompression { none, zips, zip, piz };
 /// Chosen by measurement, see README.md.
-inline constexpr TileCompression k_tile_compression = TileCompression::zip;
+inline constexpr TileCompression k_tile_compression = TileCompression::piz;
 
 /// The owned cells of a tile's persisted layers. Constant layers take no memory.
 struct StoredTile {
@@ -39,7 +39,7 @@ struct StoredTile {
 Result<StoredTile> make_stored_tile(TileKey key, int tile_cells, const LayerBlock& from,
                                     MemoryPool& pool = MemoryPool::host());
 
-/// The bytes of the file.
+/// The bytes of the file. Errors: usage (heights whose sum no int32 holds), io.
 Result<std::vector<uint8_t>> encode_tile(const StoredTile& tile, TileCompression compression = k_tile_compression);
 /// Errors: corrupt (cut short, damaged, not a tile; `name` in the message), unsupported (a newer version).
 Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string& name,

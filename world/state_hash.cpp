@@ -18,22 +18,28 @@ std::string to_hex(const Digest& d) {
     return fmt::format("{:016x}{:016x}", d[0], d[1]);
 }
 
+std::vector<int32_t> block_cells(const StoredTile& tile, int bx, int by) {
+    std::vector<int32_t> cells(static_cast<size_t>(k_hash_block_cells) * k_hash_block_cells *
+                               static_cast<size_t>(k_persisted_layers.size()));
+    int32_t* to = cells.data();
+    k_persisted_layers.for_each([&](Layer layer) {
+        for (int y = 0; y < k_hash_block_cells; ++y, to += k_hash_block_cells)
+            tile.copy_row(layer, bx * k_hash_block_cells, by * k_hash_block_cells + y, k_hash_block_cells, to);
+    });
+    return cells;
+}
+
+Digest hash_cells(std::span<const int32_t> cells) {
+    return checksum({reinterpret_cast<const uint8_t*>(cells.data()), cells.size() * 4});
+}
+
 std::vector<BlockDigest> hash_blocks(const StoredTile& tile) {
     const int side = tile.tile_cells / k_hash_block_cells;
     SAHEL_CHECK_EQ(side * k_hash_block_cells, tile.tile_cells);
     std::vector<BlockDigest> blocks;
-    std::vector<int32_t> cells(static_cast<size_t>(k_hash_block_cells) * k_hash_block_cells *
-                               static_cast<size_t>(k_persisted_layers.size()));
     for (int by = 0; by < side; ++by)
-        for (int bx = 0; bx < side; ++bx) {
-            int32_t* to = cells.data();
-            k_persisted_layers.for_each([&](Layer layer) {
-                for (int y = 0; y < k_hash_block_cells; ++y, to += k_hash_block_cells)
-                    tile.copy_row(layer, bx * k_hash_block_cells, by * k_hash_block_cells + y, k_hash_block_cells, to);
-            });
-            blocks.push_back({tile.key.y * side + by, tile.key.x * side + bx,
-                              checksum({reinterpret_cast<const uint8_t*>(cells.data()), cells.size() * 4})});
-        }
+        for (int bx = 0; bx < side; ++bx)
+            blocks.push_back({tile.key.y * side + by, tile.key.x * side + bx, hash_cells(block_cells(tile, bx, by))});
     return blocks;
 }
 

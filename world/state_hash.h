@@ -22,7 +22,10 @@ struct BlockDigest {
     friend auto operator<=>(const BlockDigest&, const BlockDigest&) = default;
 };
 
-/// One digest for each block of the tile: every persisted layer in table order, row by row.
+/// The cells of one block as they are hashed: every persisted layer in table order, row by row.
+std::vector<int32_t> block_cells(const StoredTile& tile, int block_x, int block_y);
+Digest hash_cells(std::span<const int32_t> cells);
+/// One digest for each block of the tile.
 std::vector<BlockDigest> hash_blocks(const StoredTile& tile);
 /// Hash of the whole: blocks in world order with their places. 32 hexadecimal digits.
 std::string hash_world(std::vector<BlockDigest> blocks);

@@ -14,7 +14,11 @@
 ///     meta     key, value                                    format version, tile size, cell size, text of world.json
 ///     commits  generation, step, tiles, digest               one row a commit, generations without gaps
 ///     tiles    level, x, y | file, bytes, checksum, generation, step, low_m, high_m, blocks, digest
+///     inbox    x, y, layer | cells, checksum                 what waits for a tile that sleeps
+///     ledger   x, y | account, checksum                      one row a tile that ever was simulated
+///     resume   blob, checksum                                at most one row
 ///
+/// Format 1 lacks the last three: opened for reading they are empty, opened for writing they are made.
 /// A tile's file is never changed: a commit writes new files and one transaction points to them. Each row carries a
 /// digest of itself, since SQLite checks the form of its pages and not what stands in them.
 namespace sahel {
@@ -47,7 +51,15 @@ class StoreIndex {
     [[nodiscard]] Result<std::vector<TileKey>> keys(int32_t level) const;
     [[nodiscard]] Result<int32_t> top_level() const; ///< -1: no tile
     /// One transaction: all of it or nothing.
-    Status commit(int64_t generation, int64_t step, std::span<const TileRow> rows);
+    Status commit(int64_t generation, int64_t step, std::span<const TileRow> rows, std::span<const TileKey> taken,
+                  const CommitExtras& extras);
+
+    /// `damaged` gets a line for each row that is not what was written; without it such a row is an error.
+    [[nodiscard]] Result<std::vector<Inbox>> inboxes(std::optional<TileKey> key,
+                                                     std::vector<std::string>* damaged = nullptr) const;
+    [[nodiscard]] Result<std::vector<LedgerRow>> ledger(std::vector<std::string>* damaged = nullptr) const;
+    [[nodiscard]] Result<std::vector<uint8_t>> resume(std::vector<std::string>* damaged = nullptr) const;
+    [[nodiscard]] Result<bool> has_inbox(TileKey key) const;
     /// "ok", or what is wrong with the form of the file or with the row of commits.
     [[nodiscard]] Result<std::string> integrity() const;
     /// The text of world.json when the world was made, or as set later; empty: not kept.
@@ -57,7 +69,11 @@ class StoreIndex {
   private:
     StoreIndex(sqlite::Database db) : db_(std::move(db)) {}
     Status check_meta(const WorldDesc& desc);
+    Status write_rows(int64_t generation, int64_t step, std::span<const TileRow> rows);
+    Status write_extras(std::span<const TileKey> taken, const CommitExtras& extras);
     mutable sqlite::Database db_;
+    int version_ = 0; ///< of the file
+    int64_t tile_area_ = 0;
     int64_t generation_ = 0;
     int64_t step_ = 0;
     std::string description_;

@@ -152,9 +152,11 @@ struct World::Impl {
         return row;
     }
 
-    Status commit(int64_t step, std::span<const TileUpdate> updates);
+    Status commit(int64_t step, std::span<const TileUpdate> updates, const CommitExtras& extras);
+    Status check_extras(std::span<const TileUpdate> updates, const CommitExtras& extras) const;
     Status write_all(int64_t generation, int64_t step, std::span<const TileUpdate> updates,
                      std::vector<TileRow>& rows) const;
+    Result<std::vector<BlockDigest>> waiting_blocks(const std::vector<Inbox>& waiting) const;
     void remove_files(std::span<const std::string> files) const {
         std::error_code ignored;
         for (const std::string& f : files) fs::remove(folder / f, ignored);
@@ -197,54 +199,152 @@ struct World::Impl {
     }
 };
 
+namespace {
+
+/// Writes the tiles of a commit and every parent above them, depth first: of each level four tiles are held at a time.
+class CommitWriter {
+  public:
+    using Shown = std::function<Result<std::shared_ptr<const StoredTile>>(TileKey)>;
+    using Write = std::function<Status(const StoredTile&)>;
+    CommitWriter(std::span<const TileUpdate> updates, int tile_cells, Shown shown, Write write)
+        : tile_cells_(tile_cells), shown_(std::move(shown)), write_(std::move(write)) {
+        for (const TileUpdate& u : updates) updates_[u.key] = &u;
+    }
+
+    /// Which parents have to be made; `all`: every stored tile of level 0, this commit's included; `top`: the highest
+    /// level that is stored.
+    void plan(std::set<TileKey> all, int32_t top) {
+        std::set<TileKey> fresh;
+        for (const auto& [key, update] : updates_) fresh.insert(key);
+        for (int32_t level = 1;
+             level <= k_max_stored_level && (level == 1 || all.size() > k_few_top_tiles || level <= top); ++level) {
+            std::set<TileKey> dirty, parents;
+            for (const TileKey key : fresh) dirty.insert(key.parent());
+            for (const TileKey key : all) parents.insert(key.parent());
+            if (level > top) dirty = parents; // the first tiles of a new level: all of them
+            all = std::move(parents);
+            fresh = dirty;
+            dirty_.push_back(std::move(dirty));
+        }
+    }
+    Status run() {
+        if (dirty_.empty()) return {};
+        for (const TileKey key : dirty_.back()) SAHEL_TRY(make(key));
+        return {};
+    }
+
+  private:
+    Result<std::shared_ptr<const StoredTile>> make(TileKey key) { // NOLINT(misc-no-recursion)
+        if (key.level == 0) {
+            const auto update = updates_.find(key);
+            return update == updates_.end() ? shown_(key) : written(make_leaf(*update->second));
+        }
+        if (!dirty_[static_cast<size_t>(key.level - 1)].contains(key)) return shown_(key);
+        std::array<std::shared_ptr<const StoredTile>, 4> held;
+        std::array<const StoredTile*, 4> children{};
+        for (int q = 0; q < 4; ++q) {
+            SAHEL_ASSIGN(held[static_cast<size_t>(q)], make(key.child(q)));
+            children[static_cast<size_t>(q)] = held[static_cast<size_t>(q)].get();
+        }
+        return written(make_parent(key, children));
+    }
+    Result<StoredTile> make_leaf(const TileUpdate& u) const {
+        if (u.block) return make_stored_tile(u.key, tile_cells_, *u.block);
+        SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(0, tile_rect(u.key, tile_cells_), 0, k_persisted_layers));
+        block.clear();
+        SAHEL_TRY(u.fill(block));
+        return make_stored_tile(u.key, tile_cells_, block);
+    }
+    Result<std::shared_ptr<const StoredTile>> written(Result<StoredTile> tile) const {
+        if (!tile.ok()) return tile.error();
+        SAHEL_TRY(write_(*tile));
+        return std::make_shared<const StoredTile>(std::move(tile).value());
+    }
+
+    int tile_cells_;
+    Shown shown_;
+    Write write_;
+    std::map<TileKey, const TileUpdate*> updates_;
+    std::vector<std::set<TileKey>> dirty_; ///< of level 1, 2, ...
+};
+
+} // namespace
+
 Status World::Impl::write_all(int64_t generation, int64_t step, std::span<const TileUpdate> updates,
                               std::vector<TileRow>& rows) const {
-    // New tiles of the level below, by key; what is not among them comes from the store or the background.
-    std::map<TileKey, std::shared_ptr<const StoredTile>> fresh;
-    for (const TileUpdate& u : updates) {
-        SAHEL_ASSIGN(StoredTile tile, make_stored_tile(u.key, desc.tile_cells, *u.block));
-        SAHEL_ASSIGN(TileRow row, write_tile(tile, generation, step));
-        rows.push_back(std::move(row));
-        fresh[u.key] = std::make_shared<const StoredTile>(std::move(tile));
-    }
-    std::set<TileKey> all; // every stored tile of the level, this commit's included
+    std::set<TileKey> all;
     {
         SAHEL_ASSIGN(const auto stored, index.keys(0));
         all.insert(stored.begin(), stored.end());
     }
     for (const TileUpdate& u : updates) all.insert(u.key);
     SAHEL_ASSIGN(const int32_t top, index.top_level());
-    for (int32_t level = 1; level <= k_max_stored_level && (level == 1 || all.size() > k_few_top_tiles || level <= top);
-         ++level) {
-        std::set<TileKey> dirty, parents;
-        for (const auto& [key, tile] : fresh) dirty.insert(key.parent());
-        for (const TileKey key : all) parents.insert(key.parent());
-        if (level > top) dirty = parents; // the first tiles of a new level: all of them
-        std::map<TileKey, std::shared_ptr<const StoredTile>> made;
-        for (const TileKey parent : dirty) {
-            std::array<std::shared_ptr<const StoredTile>, 4> held;
-            std::array<const StoredTile*, 4> children{};
-            for (int q = 0; q < 4; ++q) {
-                const auto found = fresh.find(parent.child(q));
-                if (found != fresh.end()) {
-                    held[static_cast<size_t>(q)] = found->second;
-                } else {
-                    SAHEL_ASSIGN(held[static_cast<size_t>(q)], shown(parent.child(q)));
-                }
-                children[static_cast<size_t>(q)] = held[static_cast<size_t>(q)].get();
-            }
-            SAHEL_ASSIGN(StoredTile tile, make_parent(parent, children));
+    CommitWriter writer(
+        updates, desc.tile_cells, [this](TileKey key) { return shown(key); },
+        [&](const StoredTile& tile) -> Status {
             SAHEL_ASSIGN(TileRow row, write_tile(tile, generation, step));
             rows.push_back(std::move(row));
-            made[parent] = std::make_shared<const StoredTile>(std::move(tile));
-        }
-        fresh = std::move(made);
-        all = std::move(parents);
+            return {};
+        });
+    writer.plan(std::move(all), top);
+    return writer.run();
+}
+
+Status World::Impl::check_extras(std::span<const TileUpdate> updates, const CommitExtras& extras) const {
+    const auto bad = [&](const std::string& why) {
+        return Error{ErrorKind::usage, fmt::format("{}: {}", folder.string(), why)};
+    };
+    for (const TileUpdate& u : updates) {
+        if (u.takes_inbox) continue;
+        SAHEL_ASSIGN(const bool waits, index.has_inbox(u.key));
+        if (waits)
+            return bad(
+                fmt::format("something waits in the inbox of tile {},{}: take it, then commit", u.key.x, u.key.y));
+    }
+    const int64_t area = int64_t{desc.tile_cells} * desc.tile_cells;
+    for (const Inbox& inbox : extras.inboxes) {
+        const bool known = inbox.layer < Layer::count_ && info_of(inbox.layer).persisted &&
+                           info_of(inbox.layer).type == LayerType::ticks;
+        for (const InboxCell& c : inbox.cells)
+            if (!known || inbox.key.level != 0 || c.cell < 0 || c.cell >= area)
+                return bad(fmt::format("tile {},{} has no such cell to wait at", inbox.key.x, inbox.key.y));
     }
     return {};
 }
 
-Status World::Impl::commit(int64_t step, std::span<const TileUpdate> updates) {
+// The digests of the blocks at which something waits, as they will be when it has arrived.
+Result<std::vector<BlockDigest>> World::Impl::waiting_blocks(const std::vector<Inbox>& waiting) const {
+    constexpr int k = k_hash_block_cells;
+    const int n = desc.tile_cells;
+    std::map<std::pair<int64_t, int64_t>, std::vector<int32_t>> blocks; // by y, x of the block
+    for (const Inbox& inbox : waiting) {
+        SAHEL_ASSIGN(const auto stored, load(inbox.key));
+        size_t plane = 0; // of the layer, among the persisted ones
+        k_persisted_layers.for_each([&](Layer l) { plane += l < inbox.layer; });
+        for (const InboxCell& c : inbox.cells) {
+            const int bx = c.cell % n / k, by = c.cell / n / k;
+            const int64_t block_y = inbox.key.y * (n / k) + by, block_x = inbox.key.x * (n / k) + bx;
+            std::vector<int32_t>& cells = blocks[{block_y, block_x}];
+            if (cells.empty() && stored) {
+                cells = block_cells(*stored, bx, by);
+            } else if (cells.empty()) {
+                SAHEL_ASSIGN(LayerBlock block,
+                             LayerBlock::allocate(0, tile_rect({0, block_x, block_y}, k), 0, k_persisted_layers));
+                SAHEL_TRY(background.read(block));
+                SAHEL_ASSIGN(const StoredTile tile, make_stored_tile({0, block_x, block_y}, k, block));
+                cells = block_cells(tile, 0, 0);
+            }
+            auto& cell = reinterpret_cast<uint32_t&>(
+                cells[(plane * k + static_cast<size_t>(c.cell / n % k)) * k + static_cast<size_t>(c.cell % n % k)]);
+            cell += static_cast<uint32_t>(c.ticks);
+        }
+    }
+    std::vector<BlockDigest> digests;
+    for (const auto& [place, cells] : blocks) digests.push_back({place.first, place.second, hash_cells(cells)});
+    return digests;
+}
+
+Status World::Impl::commit(int64_t step, std::span<const TileUpdate> updates, const CommitExtras& extras) {
     if (mode != OpenMode::write)
         return Error{ErrorKind::usage,
                      fmt::format("{}: opened for reading; open it for writing to commit", folder.string())};
@@ -252,14 +352,17 @@ Status World::Impl::commit(int64_t step, std::span<const TileUpdate> updates) {
         return Error{ErrorKind::usage,
                      fmt::format("{}: step {} lies before the committed step {}", folder.string(), step, index.step())};
     std::unordered_set<TileKey> seen;
+    std::vector<TileKey> taken;
     for (const TileUpdate& u : updates) {
-        SAHEL_CHECK(u.block != nullptr);
+        SAHEL_CHECK(u.block != nullptr || u.fill);
+        if (u.takes_inbox) taken.push_back(u.key);
         if (u.key.level != 0 || !seen.insert(u.key).second)
             return Error{ErrorKind::usage, fmt::format("{}: a commit holds each level 0 tile once", folder.string())};
         if (!is_storable(u.key))
             return Error{ErrorKind::usage, fmt::format("{}: tile {},{} lies beyond the ends of any world",
                                                        folder.string(), u.key.x, u.key.y)};
     }
+    SAHEL_TRY(check_extras(updates, extras));
     const int64_t generation = index.generation() + 1;
     std::vector<TileRow> rows;
     std::vector<std::string> replaced;
@@ -273,7 +376,7 @@ Status World::Impl::commit(int64_t step, std::span<const TileUpdate> updates) {
     }
     {
         const std::lock_guard guard(mutex);
-        if (status.ok()) status = index.commit(generation, step, rows);
+        if (status.ok()) status = index.commit(generation, step, rows, taken, extras);
     }
     if (!status.ok()) { // nothing points to the new files: as if they had never been
         std::vector<std::string> files;
@@ -339,8 +442,23 @@ const WorldDesc& World::desc() const {
     return impl_->desc;
 }
 
-Status World::commit(int64_t step, std::span<const TileUpdate> tiles) {
-    return impl_->commit(step, tiles);
+Status World::commit(int64_t step, std::span<const TileUpdate> tiles, const CommitExtras& extras) {
+    return impl_->commit(step, tiles, extras);
+}
+
+Result<std::vector<Inbox>> World::inboxes(std::optional<TileKey> key) const {
+    const std::lock_guard guard(impl_->mutex);
+    return impl_->index.inboxes(key);
+}
+
+Result<std::vector<LedgerRow>> World::ledger() const {
+    const std::lock_guard guard(impl_->mutex);
+    return impl_->index.ledger();
+}
+
+Result<std::vector<uint8_t>> World::resume() const {
+    const std::lock_guard guard(impl_->mutex);
+    return impl_->index.resume();
 }
 
 Result<bool> World::has_tile(TileKey key) const {
@@ -404,10 +522,21 @@ Result<WorldInfo> World::info() const {
 }
 
 Result<std::string> World::hash() const {
-    const std::lock_guard guard(impl_->mutex);
-    SAHEL_ASSIGN(const auto rows, impl_->index.rows(0, true));
     std::vector<BlockDigest> blocks;
-    for (const TileRow& r : rows) blocks.insert(blocks.end(), r.blocks.begin(), r.blocks.end());
+    std::vector<Inbox> waiting;
+    {
+        const std::lock_guard guard(impl_->mutex);
+        SAHEL_ASSIGN(const auto rows, impl_->index.rows(0, true));
+        for (const TileRow& r : rows) blocks.insert(blocks.end(), r.blocks.begin(), r.blocks.end());
+        SAHEL_ASSIGN(waiting, impl_->index.inboxes(std::nullopt));
+    }
+    if (!waiting.empty()) {
+        SAHEL_ASSIGN(std::vector<BlockDigest> changed, impl_->waiting_blocks(waiting));
+        std::set<std::pair<int64_t, int64_t>> places;
+        for (const BlockDigest& b : changed) places.insert({b.y, b.x});
+        std::erase_if(blocks, [&](const BlockDigest& b) { return places.contains({b.y, b.x}); });
+        blocks.insert(blocks.end(), changed.begin(), changed.end());
+    }
     return hash_world(std::move(blocks));
 }
 
@@ -426,6 +555,12 @@ Result<VerifyReport> World::verify(const std::function<void(int64_t, int64_t)>& 
         return report;
     }
     SAHEL_ASSIGN(const auto rows, std::move(all_rows));
+    std::vector<std::string> damaged;
+    SAHEL_TRY(impl_->index.inboxes(std::nullopt, &damaged));
+    SAHEL_TRY(impl_->index.ledger(&damaged));
+    SAHEL_TRY(impl_->index.resume(&damaged));
+    for (const std::string& what : damaged)
+        report.issues.push_back({"index.sqlite", what + " is not what was written", false});
     std::set<std::string> known;
     for (const TileRow& r : rows) {
         known.insert(r.file);

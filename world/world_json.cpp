@@ -90,6 +90,7 @@ std::string world_json(const WorldDesc& desc) {
                                 {"datum_m", g.datum_m}};
     }
     if (desc.preset != "none") json["terrain"] = params_to_json(desc.terrain);
+    if (!desc.simulation.empty()) json["simulation"] = Json::parse(desc.simulation); // check_world_desc looked at it
     return json.dump(2) + "\n";
 }
 
@@ -127,6 +128,7 @@ Result<WorldDesc> parse_world_json(std::string_view text, std::string_view where
         desc.georeference = g;
     }
     const Json* terrain = reader.object("terrain");
+    if (const Json* simulation = reader.object("simulation")) desc.simulation = simulation->dump();
     SAHEL_TRY(reader.finish());
     if (desc.preset != "none") {
         auto preset = base_terrain_preset(desc.preset);
@@ -157,6 +159,10 @@ Status check_world_desc(const WorldDesc& desc, std::string_view where) {
         for (const double v : {g->origin_x, g->origin_y, g->cell_x, g->cell_y, g->datum_m})
             if (!(std::abs(v) < 1e12)) return bad(fmt::format("georeference holds {}, beyond any map", v));
     if (desc.preset != "none") SAHEL_TRY(check_ranges(desc.terrain, where));
+    if (!desc.simulation.empty()) {
+        SAHEL_ASSIGN(const Json simulation, parse_json(desc.simulation, where));
+        if (!simulation.is_object()) return bad("simulation must be an object");
+    }
     return {};
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "sim/border_flows.h"
 #include "sim/pass.h"
 #include "sim/slab_view.h"
 #include "sim/tile_domain.h"
@@ -77,17 +78,77 @@ struct HopPass {
     }
 };
 
+/// Airborne sand drifts up to three cells with the wind, half of it one cell further in y: as real saltation, in
+/// a world with borders of every kind (beyond open and frozen ones there is none). Radius 4.
+struct DriftPass {
+    static constexpr int32_t k_reach = 4;
+    static constexpr PassDecl k_decl{
+        "test/drift",
+        {{SimLayer::airborne_sand, k_reach}, {SimLayer::wind_x, k_reach}, {SimLayer::wind_y, k_reach}},
+        {SimLayer::hopping},
+        16};
+    SlabView<const int32_t> in;
+    SlabView<const float> wind_x, wind_y;
+    SlabView<int32_t> out;
+
+    SAHEL_HD static int32_t cells(float wind) {
+        return wind < 0.0f ? -static_cast<int32_t>(-wind) : static_cast<int32_t>(wind);
+    }
+    SAHEL_HD int32_t given(int32_t s, int32_t xs, int32_t ys, int32_t xd, int32_t yd) const {
+        const int32_t amount = in(s, xs, ys);
+        const float vy = wind_y(s, xs, ys);
+        const int32_t tx = xs + cells(wind_x(s, xs, ys));
+        const int32_t ty = ys + cells(vy);
+        const int32_t further = ty + (vy > 0.0f) - (vy < 0.0f); // calm picks no side: beyond a wall it is the other
+        const int32_t half = amount / 2;
+        return (tx == xd && ty == yd ? amount - half : 0) + (tx == xd && further == yd ? half : 0);
+    }
+    SAHEL_HD void operator()(int32_t s, int32_t x, int32_t y) const {
+        int32_t v = 0;
+        for (int32_t dy = -k_reach; dy <= k_reach; ++dy)
+            for (int32_t dx = -k_reach; dx <= k_reach; ++dx) v += given(s, x + dx, y + dy, x, y);
+        out(s, x, y) = v;
+    }
+};
+
+/// What a cell gives in DriftPass.
+struct DriftDonor {
+    DriftPass pass;
+    template <class Sink> SAHEL_HD void operator()(int32_t s, int32_t x, int32_t y, Sink& sink) const {
+        for (int32_t dy = -DriftPass::k_reach; dy <= DriftPass::k_reach; ++dy)
+            for (int32_t dx = -DriftPass::k_reach; dx <= DriftPass::k_reach; ++dx)
+                if (dx != 0 || dy != 0) sink(x + dx, y + dy, pass.given(s, x, y, x + dx, y + dy));
+    }
+};
+
+/// The end of DriftPass.
+struct LandPass {
+    static constexpr PassDecl k_decl{"test/land", {{SimLayer::hopping, 0}}, {SimLayer::airborne_sand}, 8};
+    SlabView<const int32_t> in;
+    SlabView<int32_t> out;
+    SAHEL_HD void operator()(int32_t s, int32_t x, int32_t y) const { out(s, x, y) = in(s, x, y); }
+};
+
 SAHEL_ISA_DECLARE(void run_smooth(const Launch& l, const SmoothPass& f))
 SAHEL_ISA_DECLARE(void run_slump(const Launch& l, const SlumpPass& f))
 SAHEL_ISA_DECLARE(void run_hop(const Launch& l, const HopPass& f))
+SAHEL_ISA_DECLARE(void run_drift(const Launch& l, const DriftPass& f))
+SAHEL_ISA_DECLARE(void run_land(const Launch& l, const LandPass& f))
 Status run_smooth_cuda(const Launch& l, const SmoothPass& f);
 Status run_slump_cuda(const Launch& l, const SlumpPass& f);
 Status run_hop_cuda(const Launch& l, const HopPass& f);
+
+Status run_drift_cuda(const Launch& l, const DriftPass& f);
+Status run_drift_flows_cuda(int32_t slots, const BorderFlowsView& view, const DriftDonor& f);
+Status run_land_cuda(const Launch& l, const LandPass& f);
 
 inline const SimLayerSet k_toy_layers{SimLayer::sand, SimLayer::surface, SimLayer::wind_shadow};
 
 Pass smooth_pass();
 Pass slump_pass(int32_t reach = 1);
+inline const SimLayerSet k_drift_layers{SimLayer::airborne_sand, SimLayer::wind_x, SimLayer::wind_y, SimLayer::hopping};
+/// The two passes of a drift; they account what crosses borders if the domain keeps flows.
+std::vector<Pass> drift_passes();
 Pass hop_pass(uint64_t seed, int64_t step);
 
 } // namespace sahel::test

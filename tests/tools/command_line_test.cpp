@@ -1,35 +1,19 @@
+#include "tests/tools/run_program.h"
+
 #include <gtest/gtest.h>
 
-#include <array>
-#include <cstdio>
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
-#include <sys/wait.h>
 #include <unistd.h>
 
+namespace sahel::tools_test {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct Outcome {
-    int exit_code = -1;
-    std::string output; ///< standard output and standard error
-};
-
-Outcome run(const std::string& arguments) {
-    const std::string command = std::string(SAHEL_PROGRAM) + " " + arguments + " 2>&1 </dev/null";
-    Outcome outcome;
-    FILE* pipe = popen(command.c_str(), "r");
-    if (!pipe) return outcome;
-    std::array<char, 4096> chunk{};
-    while (const size_t n = std::fread(chunk.data(), 1, chunk.size(), pipe)) outcome.output.append(chunk.data(), n);
-    const int status = pclose(pipe);
-    outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return outcome;
-}
 
 class CommandLine : public testing::Test {
   protected:
@@ -125,3 +109,4 @@ TEST_F(CommandLine, BenchNamesTheMachineAndHashesItsResults) {
 }
 
 } // namespace
+} // namespace sahel::tools_test

@@ -22,7 +22,11 @@ std::string seen(const World& world) {
     const auto info = world.info();
     const auto hash = world.hash();
     if (!info.ok() || !hash.ok()) return "an error";
-    return *hash + ' ' + std::to_string(info->step) + ' ' + std::to_string(info->tile_count) + ' ' +
+    const auto ledger = world.ledger();
+    const auto resume = world.resume();
+    if (!ledger.ok() || !resume.ok()) return "an error";
+    return *hash + ' ' + std::to_string(ledger->size()) + ' ' + std::to_string(resume->size()) + ' ' +
+           std::to_string(info->step) + ' ' + std::to_string(info->tile_count) + ' ' +
            std::to_string(info->parent_count) + ' ' + std::to_string(info->min_surface_m) + ' ' +
            std::to_string(info->max_surface_m);
 }
@@ -47,7 +51,7 @@ TEST_F(Store, AFlippedBitOfTheIndexIsFoundOrMeansNothing) {
     {
         World world = create(desc());
         ASSERT_TRUE(commit_tiles(world, 1, {{0, 0, 0}}).ok());
-        ASSERT_TRUE(commit_tiles(world, 2, {{0, -3, 0}, {0, 0, 0}}, 5).ok());
+        ASSERT_TRUE(commit_whole_step(world, 2, {{0, -3, 0}, {0, 0, 0}}).ok());
         before = seen(world);
     }
     const fs::path path = folder() / "index.sqlite";
@@ -272,7 +276,7 @@ TEST_F(Store, NumbersThatDoNotFitAreRefusedAndNotWrapped) {
     for (const auto& [from, to] :
          {std::pair<std::string, std::string>{"\"seed\": 1", "\"seed\": -1"},
           {"\"tile_cells\": 128", "\"tile_cells\": 4294967424"},
-          {"\"format_version\": 1", "\"format_version\": 4294967297"},
+          {"\"format_version\": 2", "\"format_version\": 4294967298"},
           {"\"outside_m\": 0.0", "\"outside_m\": 1e300"},
           {"\"outside_m\": 0.0", "\"outside_m\": 1e400"},
           {"\"outside_m\": 0.0", "\"outside_m\": 0.0, \"sea_m\": 1e9"},

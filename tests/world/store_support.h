@@ -40,7 +40,8 @@ inline LayerBlock make_tile(TileKey key, int n, int salt = 0) {
     return std::move(block).value();
 }
 
-inline Status commit_tiles(World& world, int64_t step, const std::vector<TileKey>& keys, int salt = 0) {
+inline Status commit_tiles(World& world, int64_t step, const std::vector<TileKey>& keys, int salt = 0,
+                           const CommitExtras& extras = {}) {
     std::vector<LayerBlock> blocks;
     std::vector<TileUpdate> updates;
     blocks.reserve(keys.size());
@@ -48,7 +49,15 @@ inline Status commit_tiles(World& world, int64_t step, const std::vector<TileKey
         blocks.push_back(make_tile(key, world.desc().tile_cells, salt));
         updates.push_back({key, &blocks.back()});
     }
-    return world.commit(step, updates);
+    return world.commit(step, updates, extras);
+}
+
+/// Tiles, an inbox that grows with every step, a row of the ledger and something to go on with.
+inline Status commit_whole_step(World& world, int64_t step, const std::vector<TileKey>& keys) {
+    const Inbox inbox{{0, 9, 9}, Layer::sand, {{4, 1}}};
+    const LedgerRow row{{0, 0, 0}, {static_cast<uint8_t>(step)}};
+    const std::vector<uint8_t> resume(3, static_cast<uint8_t>(step));
+    return commit_tiles(world, step, keys, static_cast<int>(step), {std::span(&inbox, 1), std::span(&row, 1), resume});
 }
 
 class Store : public testing::Test {

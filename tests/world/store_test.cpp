@@ -1,10 +1,12 @@
 #include "tests/world/store_support.h"
+#include "world/sqlite.h"
 #include "world/state_hash.h"
 
 #include <chrono>
 #include <csignal>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -182,13 +184,176 @@ TEST_F(Store, RefusesWhatCannotBeAWorld) {
         EXPECT_FALSE(opened.ok()) << to;
         return opened.ok() ? Error{} : opened.error();
     };
-    EXPECT_EQ(with("\"format_version\": 1", "\"format_version\": 2").kind, ErrorKind::unsupported);
+    EXPECT_EQ(with("\"format_version\": 2", "\"format_version\": 3").kind, ErrorKind::unsupported);
     EXPECT_EQ(with("\"tile_cells\": 128", "\"tile_cells\": 256").kind, ErrorKind::corrupt);
     EXPECT_EQ(with("\"tile_cells\": 128", "\"tile_cells\": 130").kind, ErrorKind::usage);
     const Error unknown = with("\"seed\"", "\"sead\": 1, \"seed\"");
     EXPECT_NE(unknown.message.find("sead"), std::string::npos) << unknown.message;
     EXPECT_NE(unknown.message.find("world.json"), std::string::npos) << unknown.message;
     EXPECT_EQ(with("{", "[").kind, ErrorKind::corrupt);
+}
+
+TEST_F(Store, TilesCanBeAskedForOneByOne) {
+    World a = create(desc(), "a"), b = create(desc(), "b");
+    std::vector<TileKey> keys;
+    for_each_tile({-256, 0, 512, 640}, 0, 128, [&](TileKey key) { keys.push_back(key); });
+    ASSERT_TRUE(commit_tiles(a, 1, keys).ok());
+    std::vector<TileUpdate> updates;
+    int alive = 0, most = 0;
+    for (const TileKey key : keys)
+        updates.push_back({key, nullptr, [&, key](LayerBlock& to) -> Status {
+                               most = std::max(most, ++alive);
+                               EXPECT_EQ(to.layers(), k_persisted_layers);
+                               const LayerBlock from = make_tile(key, 128);
+                               for (const Layer l : {Layer::bedrock, Layer::sand})
+                                   for (int y = 0; y < 128; ++y)
+                                       for (int x = 0; x < 128; ++x) to.ints(l)(x, y) = from.ints(l)(x, y);
+                               --alive;
+                               return {};
+                           }});
+    ASSERT_TRUE(b.commit(1, updates).ok());
+    EXPECT_EQ(most, 1);
+    EXPECT_EQ(a.hash().value(), b.hash().value());
+    EXPECT_EQ(a.info()->parent_count, b.info()->parent_count);
+    for (const char* name : {"a", "b"}) EXPECT_EQ(tile_files(name).size(), tile_files("a").size());
+    auto from_a = LayerBlock::allocate(3, {-32, -8, 64, 80}, 0, k_surface_layers).value();
+    auto from_b = LayerBlock::allocate(3, {-32, -8, 64, 80}, 0, k_surface_layers).value();
+    ASSERT_TRUE(a.surface().read(from_a).ok() && b.surface().read(from_b).ok());
+    for (int y = 0; y < 88; ++y)
+        for (int x = 0; x < 96; ++x) ASSERT_EQ(from_a.ints(Layer::bedrock)(x, y), from_b.ints(Layer::bedrock)(x, y));
+
+    updates.resize(1); // what fails to be filled leaves the world as it was
+    updates[0].fill = [](LayerBlock&) -> Status { return Error{ErrorKind::io, "no"}; };
+    const std::string before = b.hash().value();
+    EXPECT_EQ(b.commit(2, updates).error().kind, ErrorKind::io);
+    EXPECT_EQ(b.hash().value(), before);
+    EXPECT_TRUE(b.verify()->issues.empty());
+}
+
+TEST_F(Store, WhatWaitsInAnInboxIsStateAndArrives) {
+    World world = create(desc());
+    ASSERT_TRUE(commit_tiles(world, 1, {{0, 0, 0}, {0, 1, 0}}).ok());
+    const std::string empty = world.hash().value();
+    const Inbox first{{0, 1, 0}, Layer::sand, {{5 * 128 + 3, 40}, {7, 2}, {5 * 128 + 3, 60}}};
+    ASSERT_TRUE(world.commit(2, {}, {.inboxes = std::span(&first, 1), .ledger = {}, .resume = {}}).ok());
+    const Inbox second{{0, 1, 0}, Layer::sand, {{7, 1}, {127 * 128 + 127, 9}}};
+    const std::string half = world.hash().value();
+    ASSERT_TRUE(world.commit(2, {}, {.inboxes = std::span(&second, 1), .ledger = {}, .resume = {}}).ok());
+    const auto waiting = world.inboxes(TileKey{0, 1, 0});
+    ASSERT_TRUE(waiting.ok());
+    ASSERT_EQ(waiting->size(), 1u);
+    const std::vector<InboxCell> expected = {{7, 3}, {643, 100}, {16383, 9}};
+    EXPECT_EQ((*waiting)[0].cells, expected);
+    EXPECT_EQ(world.inboxes()->size(), 1u);
+    EXPECT_TRUE(world.inboxes(TileKey{0, 0, 0})->empty());
+    const std::string hash = world.hash().value();
+    EXPECT_NE(hash, empty);
+    EXPECT_NE(hash, half);
+    EXPECT_TRUE(world.verify()->issues.empty());
+
+    // Nobody may overwrite the tile and lose it.
+    const Status lost = commit_tiles(world, 3, {{0, 1, 0}});
+    ASSERT_FALSE(lost.ok());
+    EXPECT_EQ(lost.error().kind, ErrorKind::usage);
+    EXPECT_NE(lost.error().message.find("1,0"), std::string::npos) << lost.error().message;
+
+    LayerBlock block = make_tile({0, 1, 0}, 128);
+    for (const InboxCell& c : expected)
+        block.ints(Layer::sand)(c.cell % 128, c.cell / 128) += static_cast<int32_t>(c.ticks);
+    const TileUpdate update{{0, 1, 0}, &block, {}, true};
+    ASSERT_TRUE(world.commit(3, std::span(&update, 1)).ok());
+    EXPECT_TRUE(world.inboxes()->empty());
+    EXPECT_EQ(world.hash().value(), hash) << "arriving changes nothing";
+
+    const Inbox nowhere{{0, 1, 0}, Layer::sand, {{128 * 128, 1}}};
+    EXPECT_EQ(world.commit(4, {}, {.inboxes = std::span(&nowhere, 1), .ledger = {}, .resume = {}}).error().kind,
+              ErrorKind::usage);
+}
+
+TEST_F(Store, WaitingAtAnyPlaceHashesAlikeForEveryTileSize) {
+    std::set<std::string> hashes;
+    for (const int n : {128, 256, 512}) {
+        World world = create(desc(n, "dunes"), std::to_string(n));
+        std::vector<TileKey> keys;
+        for_each_tile({0, 0, 512, 512}, 0, n, [&](TileKey key) { keys.push_back(key); });
+        std::map<TileKey, Inbox> inboxes; // around, on land that is not stored, and one inside
+        for (const auto& [x, y] : {std::pair<int64_t, int64_t>{-1, 5}, {-3, -3}, {512, 511}, {200, 517}, {130, 300}}) {
+            const TileKey key = tile_of({x, y}, 0, n);
+            Inbox& inbox = inboxes[key];
+            inbox.key = key;
+            inbox.layer = Layer::sand;
+            inbox.cells.push_back({static_cast<int32_t>((y - key.y * n) * n + x - key.x * n), 1000 + x});
+        }
+        std::vector<Inbox> list;
+        for (auto& [key, inbox] : inboxes) list.push_back(inbox);
+        ASSERT_TRUE(commit_tiles(world, 1, keys).ok());
+        const std::string before = world.hash().value();
+        ASSERT_TRUE(world.commit(1, {}, {.inboxes = list, .ledger = {}, .resume = {}}).ok());
+        EXPECT_NE(world.hash().value(), before);
+        hashes.insert(world.hash().value());
+    }
+    EXPECT_EQ(hashes.size(), 1u);
+}
+
+TEST_F(Store, LedgerAndResumeAreKeptWithTheStep) {
+    const std::vector<uint8_t> wind = {1, 2, 3};
+    const std::vector<LedgerRow> rows = {{{0, 0, 0}, {9, 9}}, {{0, -5, 2}, {7}}};
+    {
+        World world = create(desc());
+        EXPECT_TRUE(world.ledger()->empty());
+        EXPECT_TRUE(world.resume()->empty());
+        ASSERT_TRUE(world.commit(1, {}, {.inboxes = {}, .ledger = rows, .resume = wind}).ok());
+    }
+    auto world = World::open(folder(), OpenMode::write);
+    ASSERT_TRUE(world.ok()) << world.error().message;
+    EXPECT_EQ(world->resume().value(), wind);
+    ASSERT_EQ(world->ledger()->size(), 2u);
+    EXPECT_EQ(world->ledger().value()[1].key, (TileKey{0, -5, 2}));
+    EXPECT_EQ(world->ledger().value()[1].bytes, rows[1].bytes);
+    const LedgerRow newer{{0, 0, 0}, {1}};
+    ASSERT_TRUE(world->commit(2, {}, {.inboxes = {}, .ledger = std::span(&newer, 1), .resume = {}}).ok());
+    EXPECT_TRUE(world->resume()->empty()) << "of another step";
+    EXPECT_EQ(world->ledger().value()[0].bytes, newer.bytes);
+    EXPECT_EQ(world->ledger()->size(), 2u);
+}
+
+TEST_F(Store, DamagedRowsAreFoundAndNamed) {
+    {
+        World world = create(desc());
+        const Inbox inbox{{0, 4, -2}, Layer::sand, {{1, 1}}};
+        const LedgerRow row{{0, 3, 3}, {1, 2, 3, 4}};
+        const std::vector<uint8_t> wind = {5, 5};
+        ASSERT_TRUE(world.commit(1, {}, {std::span(&inbox, 1), std::span(&row, 1), wind}).ok());
+    }
+    const auto spoil = [&](const char* sql) {
+        auto db = sqlite::Database::open(folder() / "index.sqlite", sqlite::Database::Mode::write);
+        ASSERT_TRUE(db.ok() && db->run(sql).ok());
+    };
+    auto issues = [&] { return World::open(folder(), OpenMode::read)->verify()->issues; };
+    EXPECT_TRUE(issues().empty());
+    spoil("UPDATE inbox SET cells = x'010000000200000000000000'");
+    ASSERT_EQ(issues().size(), 1u);
+    EXPECT_NE(issues()[0].what.find("4,-2"), std::string::npos) << issues()[0].what;
+    EXPECT_EQ(World::open(folder(), OpenMode::read)->inboxes().error().kind, ErrorKind::corrupt);
+    EXPECT_EQ(World::open(folder(), OpenMode::read)->hash().error().kind, ErrorKind::corrupt);
+    spoil("UPDATE ledger SET account = x'01'");
+    ASSERT_EQ(issues().size(), 2u);
+    EXPECT_NE(issues()[1].what.find("3,3"), std::string::npos) << issues()[1].what;
+    spoil("UPDATE resume SET blob = x'0505ff'");
+    EXPECT_EQ(issues().size(), 3u);
+}
+
+TEST_F(Store, TheSimulationIsKeptAsItIs) {
+    WorldDesc d = desc();
+    d.simulation = R"({"sand":{"lift_rate":0.5},"wind":{}})";
+    { World world = create(d); }
+    auto world = World::open(folder(), OpenMode::read);
+    ASSERT_TRUE(world.ok()) << world.error().message;
+    EXPECT_EQ(world->desc().simulation, d.simulation);
+    d.simulation = "[1]";
+    EXPECT_EQ(World::create(folder("b"), d).error().kind, ErrorKind::usage);
+    d.simulation = "{";
+    EXPECT_FALSE(World::create(folder("b"), d).ok());
 }
 
 TEST_F(Store, OneWriterAtATimeAndManyReaders) {
@@ -240,7 +405,7 @@ TEST_F(Store, KilledAtAnyInstantTheLastCommitIsThereWhole) {
         World world = create(desc(), "reference");
         expected.push_back(world.hash().value());
         for (int s = 1; s <= k_steps; ++s) {
-            ASSERT_TRUE(commit_tiles(world, s, keys, s).ok());
+            ASSERT_TRUE(commit_whole_step(world, s, keys).ok());
             expected.push_back(world.hash().value());
         }
     }
@@ -256,7 +421,7 @@ TEST_F(Store, KilledAtAnyInstantTheLastCommitIsThereWhole) {
             auto world = World::open(folder(), OpenMode::write);
             if (!world.ok()) _exit(2);
             for (int64_t s = world->info()->step + 1; s <= k_steps; ++s)
-                if (!commit_tiles(*world, s, keys, static_cast<int>(s)).ok()) _exit(3);
+                if (!commit_whole_step(*world, s, keys).ok()) _exit(3);
             _exit(0);
         }
         random = random * 6364136223846793005ull + 1442695040888963407ull;
@@ -270,6 +435,11 @@ TEST_F(Store, KilledAtAnyInstantTheLastCommitIsThereWhole) {
         const auto info = world->info();
         ASSERT_TRUE(info.ok());
         ASSERT_EQ(world->hash().value(), expected[static_cast<size_t>(info->step)]) << "round " << round;
+        if (info->step > 0) {
+            ASSERT_EQ(world->inboxes().value().at(0).cells.at(0).ticks, info->step);
+            ASSERT_EQ(world->ledger().value().at(0).bytes.at(0), info->step);
+            ASSERT_EQ(world->resume().value().at(2), info->step);
+        }
         const auto report = world->verify();
         ASSERT_TRUE(report.ok());
         ASSERT_TRUE(report->issues.empty()) << report->issues[0].path << ": " << report->issues[0].what;

@@ -1,0 +1,38 @@
+# For which GPUs the .cu files are compiled. One architecture takes a quarter of the time of the whole list, so only the
+# `cuda` preset, for programs that leave this machine, asks for all of them.
+#   sahel_choose_cuda_architectures(WANTED RESULT): WANTED is AUTO, all, or a list of CMake's
+function(sahel_choose_cuda_architectures wanted result)
+  if(wanted STREQUAL "AUTO")
+    set(found "")
+    find_program(SAHEL_NVIDIA_SMI nvidia-smi)
+    if(SAHEL_NVIDIA_SMI)
+      execute_process(COMMAND ${SAHEL_NVIDIA_SMI} --query-gpu=compute_cap --format=csv,noheader
+                      OUTPUT_VARIABLE caps RESULT_VARIABLE failed ERROR_QUIET TIMEOUT 20)
+      if(NOT failed)
+        string(REGEX MATCHALL "[0-9]+\\.[0-9]+" found "${caps}")
+        list(TRANSFORM found REPLACE "\\." "")
+        list(REMOVE_DUPLICATES found)
+      endif()
+    endif()
+    if(NOT found)
+      set(found 75) # no GPU here: the code is checked, and runs on any later GPU after one compilation by its driver
+    endif()
+  elseif(wanted STREQUAL "all")
+    set(found 75 80 86)
+    foreach(pair 11.8:89 11.8:90 12.8:100 12.8:120)
+      string(REPLACE ":" ";" pair ${pair})
+      list(GET pair 0 since)
+      list(GET pair 1 architecture)
+      if(NOT CMAKE_CUDA_COMPILER_VERSION VERSION_LESS since)
+        list(APPEND found ${architecture})
+      endif()
+    endforeach()
+    list(TRANSFORM found APPEND "-real")
+    list(GET found -1 last)
+    string(REPLACE "-real" "-virtual" last ${last})
+    list(APPEND found ${last}) # for GPUs to come
+  else()
+    set(found ${wanted})
+  endif()
+  set(${result} ${found} PARENT_SCOPE)
+endfunction()
