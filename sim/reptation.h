@@ -53,31 +53,50 @@ struct SmoothPass {
     SAHEL_HD int32_t height(int32_t s, int32_t x, int32_t y) const {
         return (bedrock(s, x, y) + soil(s, x, y)) + sand(s, x, y);
     }
-    /// Ticks that the cell gains from neighbour k; below 0: gives.
-    SAHEL_HD int32_t gain(int32_t s, int32_t x, int32_t y, int k) const {
-        const int32_t nx = x + direction_x(k);
-        const int32_t ny = y + direction_y(k);
-        const int32_t rise = height(s, nx, ny) - height(s, x, y);
-        const float bounced = bounce(s, x, y) + bounce(s, nx, ny);
-        float c = bounced * strength;
-        if (by_wind) c = c + bounced * (wind_strength * (speed(s, x, y) + speed(s, nx, ny)));
-        c = det::min(c, most);
-        const float scale = 0.125f / (cell_m * ((k & 1) != 0 ? k_sqrt2 : 1.0f));
-        const float wish = static_cast<float>(rise < 0 ? -rise : rise) * (c * scale);
-        const int32_t donor = (rise < 0 ? sand(s, x, y) : sand(s, nx, ny)) >> 3; // 1/8: all eight can be served
+    /// Share of the slope's ticks that flow between two cells, for each tick they differ by.
+    SAHEL_HD float rate(float bounced, float speeds, float scale) const {
+        return det::min(bounced * strength + bounced * (wind_strength * speeds), most) * scale;
+    }
+    /// 1/8 over the distance to a side or a corner.
+    SAHEL_HD float scale(int k) const { return 0.125f / (cell_m * ((k & 1) != 0 ? k_sqrt2 : 1.0f)); }
+    /// Ticks that a cell gains from one whose ground stands `rise` ticks higher; below 0: gives. A donor gives at most
+    /// 1/8 of its sand to each neighbour, so that all can be served.
+    SAHEL_HD static int32_t gain(int32_t rise, float rate, int32_t sand_here, int32_t sand_there) {
+        const float wish = static_cast<float>(rise < 0 ? -rise : rise) * rate;
+        const int32_t donor = (rise < 0 ? sand_here : sand_there) >> 3;
         const auto ticks = static_cast<int32_t>(det::min(wish, 0x1p30f) + 0.5f);
         const int32_t flow = ticks < donor ? ticks : donor;
         return rise < 0 ? -flow : flow;
     }
+    /// From neighbour k; `speeds`: of both cells.
+    SAHEL_HD int32_t gain_at(int32_t s, int32_t x, int32_t y, int k, float speeds) const {
+        const int32_t nx = x + direction_x(k);
+        const int32_t ny = y + direction_y(k);
+        const float bounced = bounce(s, x, y) + bounce(s, nx, ny);
+        return gain(height(s, nx, ny) - height(s, x, y), rate(bounced, speeds, scale(k)), sand(s, x, y),
+                    sand(s, nx, ny));
+    }
+    template <bool k_by_wind> SAHEL_HD int32_t gain_from(int32_t s, int32_t x, int32_t y, int k) const {
+        float speeds = 0.0f;
+        if constexpr (k_by_wind) speeds = speed(s, x, y) + speed(s, x + direction_x(k), y + direction_y(k));
+        return gain_at(s, x, y, k, speeds);
+    }
+    SAHEL_HD int32_t gain_from(int32_t s, int32_t x, int32_t y, int k) const {
+        return by_wind ? gain_from<true>(s, x, y, k) : gain_from<false>(s, x, y, k);
+    }
+    template <bool k_by_wind> SAHEL_HD int32_t gains(int32_t s, int32_t x, int32_t y) const {
+        return ((gain_from<k_by_wind>(s, x, y, 0) + gain_from<k_by_wind>(s, x, y, 1)) +
+                (gain_from<k_by_wind>(s, x, y, 2) + gain_from<k_by_wind>(s, x, y, 3))) +
+               ((gain_from<k_by_wind>(s, x, y, 4) + gain_from<k_by_wind>(s, x, y, 5)) +
+                (gain_from<k_by_wind>(s, x, y, 6) + gain_from<k_by_wind>(s, x, y, 7)));
+    }
     SAHEL_HD void operator()(int32_t s, int32_t x, int32_t y) const {
-        int32_t sum = 0;
-        for (int k = 0; k < k_direction_count; ++k) sum += gain(s, x, y, k);
-        change(s, x, y) = sum;
+        change(s, x, y) = by_wind ? gains<true>(s, x, y) : gains<false>(s, x, y);
     }
     /// The donor of border_flows.h.
     template <class Sink> SAHEL_HD void operator()(int32_t s, int32_t x, int32_t y, Sink& sink) const {
         for (int k = 0; k < k_direction_count; ++k) {
-            const int32_t given = -gain(s, x, y, k);
+            const int32_t given = -gain_from(s, x, y, k);
             if (given > 0) sink(x + direction_x(k), y + direction_y(k), given);
         }
     }
@@ -117,8 +136,14 @@ struct ReposePass {
         return d;
     }
     SAHEL_HD void operator()(int32_t s, int32_t x, int32_t y) const {
+        if (lowers)
+            cell<true>(s, x, y);
+        else
+            cell<false>(s, x, y);
+    }
+    template <bool k_lowers> SAHEL_HD void cell(int32_t s, int32_t x, int32_t y) const {
         float tangent = bare;
-        if (lowers) {
+        if constexpr (k_lowers) {
             const float b = bounce(s, x, y);
             const float wx = wind_x(s, x, y);
             const float wy = wind_y(s, x, y);

@@ -33,8 +33,13 @@ inline constexpr int32_t k_leg_radius = 8; ///< the cells around the target too
 /// tick is off by less than 1 / 2000, and no random number need be drawn.
 inline constexpr float k_plain_ticks = 1024.0f;
 
-SAHEL_HD int32_t rounded_ticks(float ticks, uint32_t bits) { // ticks >= 0
-    return ticks >= k_plain_ticks ? static_cast<int32_t>(ticks + 0.5f) : stochastic_round(ticks, bits);
+SAHEL_HD int32_t rounded_ticks(float ticks, uint32_t bits) { // ticks >= 0; no branch
+    const auto whole = static_cast<int32_t>(ticks);
+    const float part = ticks - static_cast<float>(whole);
+    const auto threshold = static_cast<int32_t>(part * 0x1p31f); // as stochastic_round does
+    const bool drawn = static_cast<int32_t>(bits >> 1) < threshold;
+    const bool plain = ticks >= k_plain_ticks;
+    return whole + static_cast<int32_t>((plain & (part >= 0.5f)) | (!plain & drawn));
 }
 
 struct LiftPass {
@@ -68,10 +73,10 @@ struct LiftPass {
     }
 
     /// What the wind would lift, in ticks, were there sand enough.
-    SAHEL_HD float wanted(int32_t s, int32_t x, int32_t y) const {
+    template <bool k_echoes> SAHEL_HD float wanted(int32_t s, int32_t x, int32_t y) const {
         const float open = (1.0f - shadow(s, x, y)) * (1.0f - plant_cover(vegetation(s, x, y)));
         float ticks = lift_ticks * open;
-        if (echoes) {
+        if constexpr (k_echoes) {
             const float e = echo(s, x, y);
             ticks = ticks * det::pick(e > 0.0f, 0.5f, 1.0f) + det::max(-e, 0.0f) * erosion_ticks;
         }
@@ -91,13 +96,13 @@ struct LiftPass {
         const int32_t lifted = wish < here ? wish : here;
         const int32_t air = airborne(s, x, y) + lifted;
         const int32_t part = rounded_ticks(share * static_cast<float>(air), bits_hop);
-        const int32_t hops = (share >= 1.0f) | (part > air) ? air : part;
+        const int32_t hops = ((share >= 1.0f) | (part > air)) ? air : part;
         sand(s, x, y) = here - lifted;
         airborne(s, x, y) = air - hops;
         hopping(s, x, y) = hops;
     }
     SAHEL_HD void operator()(int32_t s, int32_t x, int32_t y) const {
-        const float ticks = wanted(s, x, y);
+        const float ticks = echoes ? wanted<true>(s, x, y) : wanted<false>(s, x, y);
         Random4 r{};
         if (draws(ticks, sand(s, x, y), airborne(s, x, y))) r = places.random(random, s, x, y);
         move(s, x, y, ticks, r.v[0], r.v[1]);
@@ -126,9 +131,12 @@ struct HopLegPass {
         float v;
     };
     SAHEL_HD Target target(float wx, float wy) const {
+        return bilinear_targets ? target<true>(wx, wy) : target<false>(wx, wy);
+    }
+    template <bool k_bilinear> SAHEL_HD Target target(float wx, float wy) const {
         const float dx = det::clamp(wx * cells_per_speed, -longest, longest);
         const float dy = det::clamp(wy * cells_per_speed, -longest, longest);
-        if (!bilinear_targets) return {CellOffset::round(dx), CellOffset::round(dy), 0.0f, 0.0f};
+        if constexpr (!k_bilinear) return {CellOffset::round(dx), CellOffset::round(dy), 0.0f, 0.0f};
         const CellOffset o = CellOffset::bilinear(dx, dy);
         return {o.x, o.y, o.u, o.v};
     }
@@ -227,11 +235,11 @@ struct DepositPass {
         return g;
     }
     /// The share that settles.
-    SAHEL_HD float settling(int32_t s, int32_t x, int32_t y, const Ground& g) const {
+    template <bool k_echoes> SAHEL_HD float settling(int32_t s, int32_t x, int32_t y, const Ground& g) const {
         const float off_sand = det::pick(g.sand > bounce_threshold, 0.4f, 0.6f);
         const float off = det::pick((g.sand <= bounce_threshold) & (g.soil > bounce_threshold), 0.5f, off_sand);
         float p = det::max(shadow(s, x, y), (1.0f - off) + off * g.plants);
-        if (echoes) {
+        if constexpr (k_echoes) {
             const float e = echo(s, x, y);
             p = det::pick(e < 0.0f, 0.0f, det::max(p, e));
         }
@@ -242,12 +250,10 @@ struct DepositPass {
     SAHEL_HD bool draws(float ticks) const { return (ticks > 0.0f) & (ticks < k_plain_ticks); }
     /// How much deeper than its eight neighbours a cell may yet become: one cell side.
     SAHEL_HD int32_t depth_left(int32_t s, int32_t x, int32_t y) const {
-        int32_t lowest = surface(s, x + 1, y);
-        for (int32_t dy = -1; dy <= 1; ++dy)
-            for (int32_t dx = -1; dx <= 1; ++dx) {
-                const int32_t h = surface(s, x + dx, y + dy);
-                lowest = ((dx != 0) | (dy != 0)) & (h < lowest) ? h : lowest;
-            }
+        const auto lower = [](int32_t a, int32_t b) { return a < b ? a : b; };
+        const int32_t north = lower(lower(surface(s, x - 1, y - 1), surface(s, x, y - 1)), surface(s, x + 1, y - 1));
+        const int32_t south = lower(lower(surface(s, x - 1, y + 1), surface(s, x, y + 1)), surface(s, x + 1, y + 1));
+        const int32_t lowest = lower(lower(north, south), lower(surface(s, x - 1, y), surface(s, x + 1, y)));
         const int32_t left = cell_ticks + (surface(s, x, y) - lowest);
         return left > 0 ? left : 0;
     }
@@ -262,20 +268,27 @@ struct DepositPass {
         sand(s, x, y) = g.sand + down;
     }
     /// Wear, before the move.
-    SAHEL_HD int32_t worn(int32_t s, int32_t x, int32_t y, const Ground& g, float settles, int32_t here) const {
+    SAHEL_HD float wear_scale(int32_t s, int32_t x, int32_t y, const Ground& g, float settles, int32_t here) const {
         const float bounced = static_cast<float>(here) - settles;
         const float wx = wind_x(s, x, y);
         const float wy = wind_y(s, x, y);
         const float rest = by_amount ? bounced : det::pick(here > 0, bounced / static_cast<float>(here), 0.0f);
-        const float scale = det::pick(g.flooded | (object(s, x, y) != 0), 0.0f,
-                                      rest * det::sqrt(wx * wx + wy * wy) * (1.0f - g.plants));
-        Random4 r{};
-        if (scale > 0.0f) r = places.random(random_wear, s, x, y);
-        const int32_t rock_wish = stochastic_round(wear * (1.0f - resistance(s, x, y)) * scale, r.v[0]);
-        const int32_t soil_wish = stochastic_round(soil_wear * loose(g.moisture) * scale, r.v[1]);
+        return det::pick(g.flooded | (object(s, x, y) != 0), 0.0f,
+                         rest * det::sqrt(wx * wx + wy * wy) * (1.0f - g.plants));
+    }
+    SAHEL_HD bool can_wear(const Ground& g, float scale) const {
+        return (scale > 0.0f) & (g.sand < abrasion_threshold);
+    }
+    /// Ticks of rock and soil that become sand; bits are needed where can_wear.
+    SAHEL_HD int32_t worn(int32_t s, int32_t x, int32_t y, const Ground& g, float scale, uint32_t bits_rock,
+                          uint32_t bits_soil) const {
+        const int32_t rock_wish = stochastic_round(wear * (1.0f - resistance(s, x, y)) * scale, bits_rock);
+        const int32_t soil_wish = stochastic_round(soil_wear * loose(g.moisture) * scale, bits_soil);
         const int32_t left = depth_left(s, x, y);
-        const int32_t rock = g.sand + g.soil < abrasion_threshold ? (rock_wish < left ? rock_wish : left) : 0;
-        const int32_t earth = g.sand < abrasion_threshold ? (soil_wish < g.soil ? soil_wish : g.soil) : 0;
+        const int32_t bare = -static_cast<int32_t>(g.sand + g.soil < abrasion_threshold); // all bits, or none
+        const int32_t thin = -static_cast<int32_t>(g.sand < abrasion_threshold);
+        const int32_t rock = bare & (rock_wish < left ? rock_wish : left);
+        const int32_t earth = thin & (soil_wish < g.soil ? soil_wish : g.soil);
         bedrock(s, x, y) = bedrock(s, x, y) - rock;
         soil(s, x, y) = g.soil - earth;
         return rock + earth;
@@ -283,12 +296,14 @@ struct DepositPass {
     SAHEL_HD void operator()(int32_t s, int32_t x, int32_t y) const {
         Ground g = ground(s, x, y);
         const int32_t here = arrived(s, x, y);
-        const float settles = static_cast<float>(here) * settling(s, x, y, g);
-        uint32_t bits = 0;
-        if (draws(settles)) bits = places.random(random, s, x, y).v[0];
+        const float share = echoes ? settling<true>(s, x, y, g) : settling<false>(s, x, y, g);
+        const float settles = static_cast<float>(here) * share;
+        const uint32_t bits = draws(settles) ? places.random(random, s, x, y).v[0] : 0;
         if (wears) {
-            const int32_t loosened = worn(s, x, y, g, settles, here);
-            g.sand += loosened;
+            const float scale = wear_scale(s, x, y, g, settles, here);
+            Random4 r{};
+            if (can_wear(g, scale)) r = places.random(random_wear, s, x, y);
+            g.sand += worn(s, x, y, g, scale, r.v[0], r.v[1]);
         }
         move(s, x, y, g, settles, bits);
     }

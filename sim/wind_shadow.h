@@ -21,8 +21,8 @@
 /// shadow across the seam of its world.)
 namespace sahel {
 
-/// Unit vector of the wind; zero without wind. (Published: w / (|w| + 1e-6), a little short. Then a cliff of 10 m counts
-/// as one of 9.999998 m, and its eddy ends before the cell 4 m off.)
+/// Unit vector of the wind; zero without wind. (Published: w / (|w| + 1e-6), a little short. Then a cliff of 10 m
+/// counts as one of 9.999998 m, and its eddy ends before the cell 4 m off.)
 struct WindDirection {
     float x;
     float y;

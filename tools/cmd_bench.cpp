@@ -108,9 +108,11 @@ int run(const Options& o) {
     options.tile_cells = o.tile_cells;
     name_machine(options.machine);
     add_terrain_benchmarks(options);
+    add_sand_benchmarks(options);
     add_store_benchmarks(options);
     add_streaming_benchmarks(options);
     add_view_benchmarks(options);
+    add_wind_benchmarks(options);
     std::vector<std::string> arguments = {"sahel"};
     if (!o.filter.empty()) arguments.push_back("--benchmark_filter=" + filter_of(o.filter));
     if (!o.json.empty()) {

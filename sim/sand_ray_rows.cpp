@@ -1,0 +1,175 @@
+#include "sim/lanes.h"
+#include "sim/row_launch.h"
+#include "sim/sand_kernels.h"
+
+namespace sahel::SAHEL_ISA_NAMESPACE {
+
+namespace {
+
+// Cells of a row that walk upwind together. Wind changes slowly from cell to cell, so that most often all of them look
+// at the same offset: then the four corners of the samples are four contiguous pieces of memory.
+constexpr int32_t k_wide = lanes::k_count;
+
+// How high the ground rises around: per strip of columns, over a block's rows and all within reach of them. Ground that
+// stands less than least * k * l above a cell shelters nothing k cells off or farther: those samples are left out.
+struct Strips {
+    static constexpr int32_t k_most = 256;
+    int32_t first = 0; // column of strip 0
+    int32_t wide = 0;
+    int32_t highest[k_most];
+
+    inline __attribute__((always_inline)) void measure(const SlabView<const int32_t>& surface, int32_t s,
+                                                       const LocalRect& r, int32_t reach) {
+        first = r.x0 - reach;
+        const int32_t columns = r.x1 + reach - first;
+        wide = (columns + k_most - 1) / k_most;
+        wide = wide < k_wide ? k_wide : wide;
+        for (int32_t i = 0; i * wide < columns; ++i) {
+            const int32_t x1 = (i + 1) * wide < columns ? (i + 1) * wide : columns;
+            int32_t most = INT32_MIN;
+            for (int32_t y = r.y0 - reach; y < r.y1 + reach; ++y) {
+                const int32_t* row = surface.row(s, y) + first;
+                for (int32_t x = i * wide; x < x1; ++x) most = row[x] > most ? row[x] : most;
+            }
+            highest[i] = most;
+        }
+    }
+    inline __attribute__((always_inline)) int32_t above(int32_t x0, int32_t x1) const {
+        int32_t most = INT32_MIN;
+        for (int32_t i = (x0 - first) / wide; i <= (x1 - 1 - first) / wide; ++i)
+            most = highest[i] > most ? highest[i] : most;
+        return most;
+    }
+};
+
+struct ShadowRows {
+    static constexpr int32_t k_table = 64;
+    WindShadowPass f;
+    float per_tick[k_table + 1]; // of the first samples: a division each
+
+    explicit ShadowRows(const WindShadowPass& pass) : f(pass) {
+        for (int32_t k = 1; k <= k_table; ++k) per_tick[k] = f.per_tick(k);
+    }
+
+    inline __attribute__((always_inline)) int32_t samples_for(const Strips& strips, const int32_t* surface,
+                                                              int32_t x) const {
+        const int32_t reach = WindShadowPass::radius(f.samples);
+        int32_t lowest = surface[0];
+        for (int32_t j = 0; j < k_wide; ++j) lowest = surface[j] < lowest ? surface[j] : lowest;
+        const int64_t rise = int64_t{strips.above(x - reach, x + k_wide + reach)} - lowest;
+        // A little more than exact: what is left out must not come near `least` by rounding.
+        const float cells = 1.001f * (static_cast<float>(rise) * k_m_per_tick) / (f.least * f.cell_m);
+        return cells < static_cast<float>(f.samples) ? static_cast<int32_t>(cells) : f.samples;
+    }
+
+    inline __attribute__((always_inline)) void piece(const Strips& strips, int32_t s, int32_t x, int32_t y) const {
+        const int32_t* surface = f.surface.row(s, y) + x;
+        const int64_t stride = f.surface.stride;
+        alignas(32) float along_x[k_wide];
+        alignas(32) float along_y[k_wide];
+        const float* wind_x = f.wind_x.row(s, y) + x;
+        const float* wind_y = f.wind_y.row(s, y) + x;
+        for (int32_t j = 0; j < k_wide; ++j) {
+            const WindDirection d = WindDirection::of(wind_x[j], wind_y[j]);
+            along_x[j] = d.x;
+            along_y[j] = d.y;
+        }
+        const lanes::Reals dx = lanes::load(along_x);
+        const lanes::Reals dy = lanes::load(along_y);
+        const lanes::Ints here = lanes::load(surface);
+        lanes::Reals px{};
+        lanes::Reals py{};
+        lanes::Reals steepest{};
+        const int32_t samples = samples_for(strips, surface, x);
+        for (int32_t k = 1; k <= samples; ++k) {
+            px -= dx;
+            py -= dy;
+            const lanes::Ints ox = lanes::floor(px);
+            const lanes::Ints oy = lanes::floor(py);
+            const lanes::Reals u = px - lanes::to_real(ox);
+            const lanes::Reals v = py - lanes::to_real(oy);
+            lanes::Reals rise{};
+            if (lanes::uniform(ox, oy)) {
+                const int32_t* upper = surface + oy[0] * stride + ox[0];
+                const int32_t* lower = upper + stride;
+                const lanes::Reals a = lanes::to_real(lanes::load(upper) - here);
+                const lanes::Reals b = lanes::to_real(lanes::load(upper + 1) - here);
+                const lanes::Reals c = lanes::to_real(lanes::load(lower) - here);
+                const lanes::Reals d = lanes::to_real(lanes::load(lower + 1) - here);
+                const lanes::Reals ab = a + u * (b - a); // mix_bilinear
+                const lanes::Reals cd = c + u * (d - c);
+                rise = ab + v * (cd - ab);
+            } else {
+                for (int32_t j = 0; j < k_wide; ++j)
+                    rise[j] = rise_ticks(surface + j + oy[j] * stride + ox[j], stride, here[j], u[j], v[j]);
+            }
+            steepest = lanes::max(rise * (k <= k_table ? per_tick[k] : f.per_tick(k)), steepest);
+        }
+        lanes::store(f.shadow.row(s, y) + x, lanes::clamp((steepest - f.least) / f.range, 0.0f, 1.0f));
+    }
+
+    void operator()(int32_t s, const LocalRect& r) const {
+        Strips strips;
+        strips.measure(f.surface, s, r, WindShadowPass::radius(f.samples));
+        for (int32_t y = r.y0; y < r.y1; ++y)
+            for_each_piece<k_wide>(
+                r.x0, r.x1, [&](int32_t x, int32_t w) __attribute__((always_inline)) {
+                    if (w == k_wide)
+                        piece(strips, s, x, y);
+                    else
+                        for (int32_t i = x; i < x + w; ++i) f(s, i, y);
+                });
+    }
+};
+
+// Most ground has no cliff within reach: it is passed over in pieces.
+struct EchoRows {
+    static constexpr int32_t k_piece = 64;
+    static constexpr int32_t k_most = 256;
+    EchoPass f;
+
+    void operator()(int32_t s, const LocalRect& r) const {
+        const int32_t reach = EchoPass::radius(f.steps);
+        const int32_t first = r.x0 - reach;
+        const int32_t columns = r.x1 + reach - first;
+        int32_t wide = (columns + k_most - 1) / k_most;
+        wide = wide < k_piece ? k_piece : wide;
+        uint32_t cliffs[k_most]; // of strips: bits of any height in it
+        for (int32_t i = 0; i * wide < columns; ++i) {
+            const int32_t x1 = (i + 1) * wide < columns ? (i + 1) * wide : columns;
+            uint32_t bits = 0;
+            for (int32_t y = r.y0 - reach; y < r.y1 + reach; ++y) {
+                const float* row = f.cliff.row(s, y) + first;
+                for (int32_t x = i * wide; x < x1; ++x) bits |= det::bits_of(row[x]);
+            }
+            cliffs[i] = bits;
+        }
+        for (int32_t x0 = r.x0; x0 < r.x1; x0 += k_piece) {
+            const int32_t x1 = x0 + k_piece < r.x1 ? x0 + k_piece : r.x1;
+            uint32_t bits = 0;
+            for (int32_t i = (x0 - reach - first) / wide; i <= (x1 - 1 + reach - first) / wide; ++i) bits |= cliffs[i];
+            for (int32_t y = r.y0; y < r.y1; ++y)
+                for (int32_t x = x0; x < x1; ++x) {
+                    if (bits == 0)
+                        f.echo(s, x, y) = 0.0f;
+                    else
+                        f(s, x, y);
+                }
+        }
+    }
+};
+
+} // namespace
+
+void run_wind_shadow(const Launch& l, const WindShadowPass& f) {
+    if (f.curved || !f.bilinear_samples)
+        launch(l, f);
+    else
+        launch_rows(l, 32, ShadowRows(f));
+}
+
+void run_echo(const Launch& l, const EchoPass& f) {
+    launch_rows(l, 64, EchoRows{f});
+}
+
+} // namespace sahel::SAHEL_ISA_NAMESPACE
