@@ -34,7 +34,8 @@ size_t lines_of(const std::string& text) {
 TEST_F(CommandLine, EverySubcommandHasHelp) {
     const Outcome top = run("--help");
     EXPECT_EQ(top.exit_code, 0);
-    for (const char* name : {"new", "import", "fly", "demo", "info", "hash", "verify", "bench", "doctor", "scene"}) {
+    for (const char* name : {"new", "import", "fly", "demo", "info", "hash", "verify", "bench", "doctor", "scene",
+                             "simulate", "experiment"}) {
         EXPECT_NE(top.output.find(name), std::string::npos) << name;
         const Outcome help = run(std::string(name) + " --help");
         EXPECT_EQ(help.exit_code, 0) << name;
@@ -43,7 +44,9 @@ TEST_F(CommandLine, EverySubcommandHasHelp) {
 }
 
 TEST_F(CommandLine, MistakesInTheCallExitWithTwoAndOneLine) {
-    for (const char* arguments : {"", "nosuch", "new", "info", "new W --seed x", "fly", "bench --nosuch"}) {
+    for (const char* arguments :
+         {"", "nosuch", "new", "info", "new W --seed x", "fly", "bench --nosuch", "experiment", "experiment nosuch",
+          "experiment columns --size 7", "experiment columns --size 100"}) {
         const Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.exit_code, 2) << arguments << ": " << outcome.output;
         EXPECT_EQ(lines_of(outcome.output), 1u) << arguments << ": " << outcome.output;

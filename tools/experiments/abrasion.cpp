@@ -79,7 +79,7 @@ Result<Report> run_abrasion(const Setup& setup) {
         report.pictures.push_back(
             {relief_picture(after), fmt::format("rock after {} steps, up to {:.1f} m", run.step(), largest_of(after))});
         report.pictures.push_back({ground_picture(run), "the ground with its sand"});
-        report.pictures.push_back({value_picture(after, wear, -double{largest_of(wear)}, largest_of(wear)),
+        report.pictures.push_back({value_picture(wear, 0.0, largest_of(wear), "wear", "m"),
                                    fmt::format("wear, up to {:.2f} m", largest_of(wear))});
     }
     return report;

@@ -131,7 +131,7 @@ Status closed_strips(const Setup& setup, Report& report) {
             plot.series[fine ? 0 : 1].points.push_back({static_cast<double>(angle), share});
             if (setup.pictures && angle == 30)
                 report.pictures.push_back(
-                    {value_picture(run.surface(), echo, -1.0, 1.0),
+                    {value_picture(echo, -1.0, 1.0, "echo class", ""),
                      fmt::format("wind at 30 deg, {} cliffs: blue erosion, red calm (E3)\nholes {:.1f} % of the strip",
                                  fine ? "bilinear" : "nearest", 100.0 * share)});
         }

@@ -52,10 +52,10 @@ Result<Report> run_venturi(const Setup& setup) {
         if (setup.pictures) {
             report.pictures.push_back({ground_picture(run), fmt::format("{}\nmean thickness varies by {:.2f} m", name,
                                                                         gathered[static_cast<size_t>(projected)])});
+            report.pictures.push_back({value_picture(thick, 10.0, 30.0, "mean thickness of sand", "m"),
+                                       "mean thickness of sand, 10 to 30 m"});
             report.pictures.push_back(
-                {value_picture(run.surface(), thick, 10.0, 30.0), "mean thickness of sand, 10 to 30 m"});
-            report.pictures.push_back(
-                {value_picture(run.surface(), div, -0.2, 0.2), "divergence of the first wind, -0.2 to 0.2 1/s"});
+                {value_picture(div, -0.2, 0.2, "divergence", "1/s"), "divergence of the first wind, -0.2 to 0.2 1/s"});
         }
     }
     report.require("divergence of the wind, projected over not", divergence[1] / divergence[0], "", 0.0, 0.2);
