@@ -20,12 +20,15 @@
 /// Across a periodic border everything wraps; the mean wind stays. At any other border q = 0 on the outermost row of
 /// corners: wind enters and leaves freely there, and the mean wind stays too.
 ///
-/// -div grad =: A is solved by conjugate gradients. Their preconditioner is one V-cycle of multigrid for the compact
-/// five-point operator, which agrees with A in all waves longer than a few cells: vertex-centred, coarsened while both
-/// axes are even, smoothed by three steps of Chebyshev iteration on the upper three quarters of the spectrum, and on
-/// the coarsest grid by as many as its side needs. A fixed iteration, sums in one order: the same bits anywhere. After
-/// Brandt (Math. Comp. 1977) and Tatebe (Copper Mountain 1993); Almgren, Bell and Szymczak (SIAM J. Sci. Comput. 1996)
-/// for this pair of div and grad.
+/// -div grad =: A is solved by conjugate gradients. A couples the diagonal neighbours alone, so it does not see the
+/// checkerboard c = (-1)^(x + y), and treats a smooth plane times c like the smooth plane: A c p = c A p. Hence the
+/// preconditioner B + c B' c: B is one V-cycle of multigrid for the compact five-point operator, which agrees with A in
+/// all long waves; B' is the same from the second level on. (With exact inverses the eigenvalues are those of
+/// 2 (X - 2 P) / X (2 - X), X = sin^2 + sin^2, P = sin^2 sin^2 of half the wave numbers: between 1 and 2.) Multigrid is
+/// vertex-centred, coarsened while both axes are even, smoothed by Chebyshev iteration on the upper three quarters of
+/// the spectrum, and on the coarsest grid by as many steps of it as its side needs. A fixed iteration, sums in one
+/// order: the same bits anywhere. After Brandt (Math. Comp. 1977) and Tatebe (Copper Mountain 1993); Almgren, Bell and
+/// Szymczak (SIAM J. Sci. Comput. 1996) for this pair of div and grad.
 namespace sahel {
 
 struct ProjectLevel {

@@ -121,34 +121,38 @@ void restrict_residual(const ProjectLevel& fine, const ProjectLevel& coarse) {
     });
 }
 
-// e of the fine grid += bilinear e of the coarse one; then the residual again.
-void correct(const ProjectLevel& coarse, const ProjectLevel& fine) {
+// e of the fine grid += bilinear e of the coarse one, or that times the checkerboard.
+void prolong(const ProjectLevel& coarse, const ProjectLevel& fine, bool checkered) {
     coarse.e.fill_ring(coarse.ring_x, coarse.ring_y);
     for_each_row(k_name, fine.e.nx, fine.e.ny, [&](int32_t y) {
         // Corner 2 Y + 1 of the fine grid is corner Y of the coarse one.
         const float* a = coarse.e.row(y % 2 != 0 ? y / 2 : y / 2 - 1);
         const float* b = coarse.e.row(y / 2);
         float* e = fine.e.row(y);
+        const float even = checkered && y % 2 != 0 ? -0.25f : 0.25f;
+        const float odd = checkered ? -2.0f * even : 0.5f;
         const int32_t pairs = fine.e.nx / 2;
         SAHEL_VECTORIZE
         for (int32_t x = 0; x < pairs; ++x) {
-            const float left = 0.5f * (a[x - 1] + b[x - 1]);
-            const float right = 0.5f * (a[x] + b[x]);
-            e[2 * x] += 0.5f * (left + right);
-            e[2 * x + 1] += right;
+            const float left = a[x - 1] + b[x - 1];
+            const float right = a[x] + b[x];
+            e[2 * x] += even * (left + right);
+            e[2 * x + 1] += odd * right;
         }
-        if (fine.e.nx % 2 != 0)
-            e[2 * pairs] += 0.5f * (0.5f * (a[pairs - 1] + b[pairs - 1]) + 0.5f * (a[pairs] + b[pairs]));
+        if (fine.e.nx % 2 != 0) e[2 * pairs] += even * ((a[pairs - 1] + b[pairs - 1]) + (a[pairs] + b[pairs]));
     });
-    fine.e.fill_ring(fine.ring_x, fine.ring_y);
-    for_each_row(k_name, fine.e.nx, fine.e.ny, [&](int32_t y) {
-        const float* up = fine.e.row(y - 1);
-        const float* here = fine.e.row(y);
-        const float* down = fine.e.row(y + 1);
-        const float* b = fine.b.row(y);
-        float* r = fine.r.row(y);
+}
+
+void find_residual(const ProjectLevel& l) {
+    l.e.fill_ring(l.ring_x, l.ring_y);
+    for_each_row(k_name, l.e.nx, l.e.ny, [&](int32_t y) {
+        const float* up = l.e.row(y - 1);
+        const float* here = l.e.row(y);
+        const float* down = l.e.row(y + 1);
+        const float* b = l.b.row(y);
+        float* r = l.r.row(y);
         SAHEL_VECTORIZE
-        for (int32_t x = 0; x < fine.e.nx; ++x) r[x] = b[x] - five_point(up, here, down, x);
+        for (int32_t x = 0; x < l.e.nx; ++x) r[x] = b[x] - five_point(up, here, down, x);
     });
 }
 
@@ -164,20 +168,38 @@ void start(const ProjectLevel& l) { // e = 0, r = b
     });
 }
 
-// levels[0].e = one V-cycle for levels[0].b.
-void cycle(const ProjectWork& w) {
+// levels[first].e = one V-cycle for levels[first].b.
+void cycle(const ProjectWork& w, int32_t first) {
     const int32_t last = w.level_count - 1;
-    for (int32_t i = 0; i < last; ++i) {
+    for (int32_t i = first; i < last; ++i) {
         start(w.levels[i]);
         chebyshev(w.levels[i], k_smooth_low, k_smooth_steps, true);
         restrict_residual(w.levels[i], w.levels[i + 1]);
     }
     start(w.levels[last]);
     chebyshev(w.levels[last], w.coarsest_low, w.coarsest_steps, false);
-    for (int32_t i = last - 1; i >= 0; --i) {
-        correct(w.levels[i + 1], w.levels[i]);
+    for (int32_t i = last - 1; i >= first; --i) {
+        prolong(w.levels[i + 1], w.levels[i], false);
+        find_residual(w.levels[i]);
         chebyshev(w.levels[i], k_smooth_low, k_smooth_steps, false);
     }
+}
+
+// levels[0].e = the preconditioned levels[0].b: a V-cycle, and one from the second level on for what is smooth but for
+// a checkerboard.
+void precondition(const ProjectWork& w) {
+    cycle(w, 0);
+    if (w.level_count < 2) return;
+    const ProjectLevel& l = w.levels[0];
+    for_each_row(k_name, l.b.nx, l.b.ny, [&](int32_t y) {
+        const float* b = l.b.row(y);
+        float* r = l.r.row(y);
+        const float sign = y % 2 != 0 ? -1.0f : 1.0f;
+        for (int32_t x = 0; x < l.b.nx; ++x) r[x] = (x % 2 != 0 ? -sign : sign) * b[x];
+    });
+    restrict_residual(l, w.levels[1]);
+    cycle(w, 1);
+    prolong(w.levels[1], l, true);
 }
 
 // Corner (x, y) lies between cells (x, y) and (x + 1, y + 1).
@@ -239,7 +261,7 @@ void run_project_wind(ProjectWork& w) {
     w.iterations = 0;
     if (!(w.before > 0.0f)) return;
     const float enough = w.tolerance * w.before;
-    cycle(w);
+    precondition(w);
     for (int32_t y = 0; y < r.ny; ++y)
         for (int32_t x = 0; x < r.nx; ++x) {
             w.q.row(y)[x] = 0.0f;
@@ -264,7 +286,7 @@ void run_project_wind(ProjectWork& w) {
         });
         w.iterations += 1;
         if (largest(r, w.row_sums) <= enough) break;
-        cycle(w);
+        precondition(w);
         const double rz_next = dot(r, z, w.row_sums);
         const auto keep = static_cast<float>(rz_next / rz);
         rz = rz_next;

@@ -1,5 +1,6 @@
 #include "streaming/simulation_params.h"
 
+#include "world/file_io.h"
 #include "world/params_json.h"
 
 #include <fmt/format.h>
@@ -106,7 +107,11 @@ Result<Aeolian::Desc> aeolian_desc(const SimulationParams& params, const WorldDe
     aeolian.cell_m = desc.cell_m;
     aeolian.seed = desc.seed;
     if (!params.rose.empty()) {
-        SAHEL_ASSIGN(aeolian.schedule, WindSchedule::from_file(world_folder / params.rose));
+        const std::filesystem::path file = world_folder / params.rose;
+        SAHEL_ASSIGN(const std::string text, read_text_file(file));
+        const bool csv = file.extension() == ".csv";
+        SAHEL_ASSIGN(aeolian.schedule, csv ? WindSchedule::from_csv(text, file.string())
+                                           : WindSchedule::from_json(text, file.string()));
     }
     return aeolian;
 }

@@ -112,6 +112,7 @@ int run(const Options& o) {
     add_store_benchmarks(options);
     add_streaming_benchmarks(options);
     add_view_benchmarks(options);
+    add_wind_benchmarks(options);
     std::vector<std::string> arguments = {"sahel"};
     if (!o.filter.empty()) arguments.push_back("--benchmark_filter=" + filter_of(o.filter));
     if (!o.json.empty()) {

@@ -74,5 +74,6 @@ void add_scene_command(CommandLine& line);
 void add_bench_command(CommandLine& line);
 void add_fly_command(CommandLine& line);
 void add_demo_command(CommandLine& line);
+void add_experiment_command(CommandLine& line);
 
 } // namespace sahel::tools

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     add_demo_command(line);
     add_inspect_commands(line);
     add_scene_command(line);
+    add_experiment_command(line);
     add_bench_command(line);
     add_doctor_command(line);
     return line.run(argc, argv);

@@ -9,7 +9,7 @@ sahel_packages=(
   libtbb-dev librandom123-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev
   libsqlite3-dev libxxhash-dev libgdal-dev libbenchmark-dev ffmpeg
 )
-sahel_test_packages=(libgtest-dev libgmock-dev binutils xvfb xauth)
+sahel_test_packages=(libgtest-dev libgmock-dev libfftw3-dev binutils xvfb xauth)
 
 sahel_install() { # PACKAGE...
   if ! command -v dpkg-query >/dev/null 2>&1; then

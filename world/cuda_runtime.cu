@@ -11,7 +11,12 @@ const DeviceStatus& status() {
         int count = 0;
         const cudaError_t error = cudaGetDeviceCount(&count);
         if (error != cudaSuccess || count == 0) {
-            s.why_not = error != cudaSuccess ? cudaGetErrorString(error) : "no CUDA device";
+            // Also what the runtime says where there is no driver at all.
+            const bool no_driver = error == cudaErrorInsufficientDriver;
+            s.why_not = no_driver ? "no NVIDIA driver for CUDA " + std::to_string(s.runtime_version / 1000) +
+                                        " or newer is installed"
+                        : error != cudaSuccess ? cudaGetErrorString(error)
+                                               : "no CUDA device";
             (void)cudaGetLastError(); // forget it: the CPU backend goes on
             return s;
         }

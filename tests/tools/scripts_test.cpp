@@ -38,8 +38,8 @@ class Scripts : public testing::Test {
     Outcome install(const std::string& packages, int id, std::string* calls) const {
         command("id", "echo " + std::to_string(id));
         const fs::path log = bin_ / "calls";
-        const Outcome outcome = run_line("PATH=" + bin_.string() + ":$PATH CALLS=" + log.string() + " bash -c '. " +
-                                         k_root + "/tools/setup.sh; sahel_install " + packages + "'");
+        Outcome outcome = run_line("PATH=" + bin_.string() + ":$PATH CALLS=" + log.string() + " bash -c '. " + k_root +
+                                   "/tools/setup.sh; sahel_install " + packages + "'");
         std::ifstream in(log);
         calls->assign(std::istreambuf_iterator<char>(in), {});
         fs::remove(log);

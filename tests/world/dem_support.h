@@ -33,7 +33,9 @@ struct Grid {
     std::vector<double> h; ///< NaN: no data
     Grid() = default;
     Grid(int w, int hgt, const std::function<double(int, int)>& f);
-    [[nodiscard]] double at(int x, int y) const { return h[static_cast<size_t>(y * width + x)]; }
+    [[nodiscard]] double at(int x, int y) const {
+        return h[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
+    }
 };
 
 struct GridPlace {

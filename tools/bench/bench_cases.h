@@ -28,6 +28,7 @@ void add_sand_benchmarks(const BenchOptions& options);
 void add_store_benchmarks(const BenchOptions& options);
 void add_streaming_benchmarks(const BenchOptions& options);
 void add_view_benchmarks(const BenchOptions& options);
+void add_wind_benchmarks(const BenchOptions& options);
 
 /// Twelve digits over the owned cells of all persisted layers, whatever the rows' padding.
 std::string bench_hash(const LayerBlock& block);
