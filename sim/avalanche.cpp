@@ -1,183 +1,174 @@
 #include "sim/avalanche.h"
 
-#include "sim/avalanche_sweep.h"
-#include "world/cuda_runtime.h"
-#include "world/det_math.h"
+#include "sim/avalanche_donors.h"
+#include "sim/avalanche_ground.h"
+#include "sim/avalanche_runner.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace sahel {
 
 namespace {
 
-constexpr int32_t k_radius = 2; ///< a donor's donors' neighbours
+constexpr int32_t k_reach = 2; ///< halo cells that a sweep uses up
 
-float tangent_of(float degrees) {
-    const det::SinCos a = det::sincos(degrees * (det::k_pi / 180.0f));
-    return a.sin / a.cos;
+// Everything about one call.
+struct Slide {
+    TileDomain& domain;
+    const SandParams& params;
+    AvalancheKind kind;
+    int sweeps;
+    SlideBorders borders;
+    SlideGround ground;
+    SlideRunner& runner;
+    AvalancheStats stats;
+};
+
+Status exchange_stale(TileDomain& d, SimLayerSet layers) {
+    SimLayerSet stale;
+    layers.for_each([&](SimLayer l) {
+        if (d.valid_halo(l) < d.halo()) stale.insert(l);
+    });
+    return stale.empty() ? Status{} : d.exchange(stale);
 }
 
-SimLayer moving_layer(AvalancheKind kind) {
-    return kind == AvalancheKind::sand   ? SimLayer::sand
-           : kind == AvalancheKind::soil ? SimLayer::soil
-                                         : SimLayer::bedrock;
+SlideRule rule_of(const Slide& s, int n) {
+    SlideRule rule;
+    const bool soft = n % s.params.avalanche_soft_every == 0 || n >= s.sweeps - s.params.avalanche_soft_last;
+    if (s.kind != AvalancheKind::sand || soft) rule.strength = s.params.avalanche_strength;
+    return rule;
 }
 
-template <class T> SlabView<const T> optional_view(const TileDomain& d, SimLayer layer) {
-    if (!d.layers().contains(layer)) return {};
-    if constexpr (std::is_same_v<T, float>)
-        return d.reals(layer);
-    else
-        return d.ints(layer);
-}
-
-// All cells of the slab, halos too.
-Status copy_plane(TileDomain& d, SimLayer from, SimLayer to) {
-    const SlideCopy copy{std::as_const(d).ints(from), d.ints(to)};
-    const Launch& launch = d.launch(d.halo(), true, "sim/avalanche copy");
-    if (d.on_device()) {
-        SAHEL_TRY(run_slide_copy_cuda(launch, copy));
-    } else {
-        SAHEL_ISA_CALL(run_slide_copy, launch, copy);
+// A fixed number of sweeps of the donor rule, between two planes.
+Status fixed_sweeps(Slide& s) {
+    using Part = SlideRunner::Part;
+    TileDomain& d = s.domain;
+    const TileDomain& read = d;
+    const SimLayer moving = moving_layer(s.kind);
+    const SimLayer received = received_layer(s.kind, s.params);
+    s.stats.sweeps = s.sweeps;
+    SAHEL_ASSIGN(const bool may_slide, s.runner.may_slide({s.ground, 0}));
+    if (!may_slide) {
+        s.stats.quiet = true;
+        return {};
     }
-    d.set_valid_halo(to, d.valid_halo(from));
-    return d.fill_edges({to});
+    SimLayer now = moving;
+    SimLayer next = SimLayer::surface_next;
+    if (s.sweeps > 1 || d.on_device()) { // from here on both planes agree in every block that is left out
+        SAHEL_TRY(s.runner.copy(read.ints(now), d.ints(next), Part::all));
+        d.set_valid_halo(next, d.halo());
+    }
+    for (int n = 0; n < s.sweeps; ++n) {
+        if (d.valid_halo(now) < k_reach) {
+            SAHEL_TRY(d.exchange({now}));
+            SAHEL_TRY(s.runner.copy(read.ints(now), d.ints(next), Part::halo));
+            SAHEL_TRY(s.runner.halo_changed());
+        }
+        const int32_t margin = d.valid_halo(now) - k_reach;
+        s.ground.set_sliding(read.ints(now));
+        SlideSweep sweep{s.ground, rule_of(s, n), d.ints(next), {}};
+        if (received != moving) sweep.taken = d.ints(received);
+        SAHEL_TRY(s.runner.sweep(n, margin, sweep));
+        if (d.keeps_flows())
+            SAHEL_TRY(s.runner.border_flows(d.border_flows(received), SlideDonor{sweep.ground, sweep.rule}));
+        d.set_valid_halo(next, margin);
+        if (s.borders.any_open) SAHEL_TRY(d.fill_edges({next}));
+        std::swap(now, next);
+    }
+    if (received != moving) d.touch({received});
+    if (now != moving) {
+        SAHEL_TRY(s.runner.copy(read.ints(now), d.ints(moving), Part::last_sweep));
+        d.set_valid_halo(moving, d.valid_halo(now));
+        if (s.borders.any_open) SAHEL_TRY(d.fill_edges({moving}));
+    }
+    SAHEL_ASSIGN(const bool slid, s.runner.slid(s.sweeps - 1));
+    s.stats.quiet = !slid;
+    return {};
 }
 
-// Whether two planes of a layer hold the same owned cells.
-Result<bool> same_cells(const TileDomain& d, SimLayer a, SimLayer b) {
-    const auto cells = static_cast<size_t>(d.tile_cells()) * static_cast<size_t>(d.tile_cells());
-    std::vector<int32_t> of_a(cells);
-    std::vector<int32_t> of_b(cells);
-    for (int32_t slot = 0; slot < d.slots(); ++slot) {
-        SAHEL_TRY(d.store(slot, a, of_a.data()));
-        SAHEL_TRY(d.store(slot, b, of_b.data()));
-        if (of_a != of_b) return false;
+Status clear_flows(Slide& s) {
+    Status status;
+    k_slide_flow_layers.for_each([&](SimLayer l) {
+        if (status.ok()) status = s.runner.zero(s.domain.ints(l));
+        s.domain.set_valid_halo(l, s.domain.halo());
+    });
+    return status;
+}
+
+// Sweeps with inertia until nothing slides. Between calls the flows of all owned cells are 0.
+Status sweeps_until_quiet(Slide& s, const SlideInertia& rule) {
+    TileDomain& d = s.domain;
+    s.stats.sweeps = 1;
+    SAHEL_ASSIGN(const bool may_slide, s.runner.may_slide({s.ground, rule.start_ticks}));
+    if (!may_slide) {
+        s.stats.quiet = true;
+        return {};
     }
-    return true;
+    if (d.valid_halo(SimLayer::slide_e) == k_nothing_valid) SAHEL_TRY(clear_flows(s));
+    SimLayerSet walked = k_slide_flow_layers;
+    walked.insert(SimLayer::sand);
+    SAHEL_TRY(exchange_stale(d, walked));
+    const SlideFlows flows = slide_flows(d, s.ground, rule);
+    const SlideApply apply = slide_apply(d, s.ground);
+    for (int n = 0; n < s.sweeps && !s.stats.quiet; ++n) {
+        if (d.valid_halo(SimLayer::sand) < k_reach) {
+            SAHEL_TRY(d.exchange(walked));
+            SAHEL_TRY(s.runner.halo_changed());
+        }
+        const int32_t margin = d.valid_halo(SimLayer::sand) - k_reach;
+        SAHEL_TRY(s.runner.flows(n, margin + 1, flows)); // what reaches a cell at the margin starts one cell beyond
+        s.stats.sweeps = n + 1;
+        if (s.runner.known(n)) {
+            SAHEL_ASSIGN(const bool slid, s.runner.slid(n));
+            s.stats.quiet = !slid;
+        }
+        if (s.stats.quiet) break;
+        if (d.keeps_flows())
+            SAHEL_TRY(s.runner.border_flows(d.border_flows(SimLayer::sand),
+                                            SlideFlowDonor{flows.e, flows.se, flows.s, flows.sw}));
+        SAHEL_TRY(s.runner.apply(margin, apply));
+        walked.for_each([&](SimLayer l) { d.set_valid_halo(l, margin); });
+        if (s.borders.any_open) SAHEL_TRY(d.fill_edges({SimLayer::sand}));
+    }
+    while (s.stats.quiet && s.stats.sweeps > 1) { // the first sweep in which nothing slid
+        SAHEL_ASSIGN(const bool slid, s.runner.slid(s.stats.sweeps - 2));
+        if (slid || s.runner.known(s.stats.sweeps - 2)) break;
+        s.stats.sweeps -= 1;
+    }
+    if (!s.stats.quiet) SAHEL_TRY(clear_flows(s));
+    if (s.borders.any_wall) d.touch({SimLayer::sand}); // what lies behind walls was not worked out
+    d.touch(k_slide_flow_layers);
+    return {};
 }
 
 } // namespace
 
 SimLayerSet avalanche_layers() {
-    return {SimLayer::surface_next};
+    SimLayerSet layers = k_slide_flow_layers;
+    layers.insert(SimLayer::surface_next);
+    return layers;
 }
 
 Status avalanche(TileDomain& domain, const SandParams& params, double cell_m, AvalancheKind kind,
                  const AvalancheOptions& options, AvalancheStats* stats) {
-    (void)options;
-    AvalancheStats done;
-    const bool sand = kind == AvalancheKind::sand;
-    const bool to_sand = kind == AvalancheKind::bedrock && params.bedrock_to_sand;
-    const bool until_quiet = sand && params.avalanche_sweeps == 0;
+    const bool until_quiet = kind == AvalancheKind::sand && params.avalanche_sweeps == 0;
     const int sweeps = kind == AvalancheKind::soil      ? params.soil_sweeps
                        : kind == AvalancheKind::bedrock ? params.bedrock_sweeps
                        : until_quiet                    ? params.avalanche_max_sweeps
                                                         : params.avalanche_sweeps;
-    if (domain.halo() < k_radius)
-        return Error{ErrorKind::usage, "avalanching looks 2 cells far: choose a halo of at least 8"};
-
-    SlideDonor donor;
-    SlideGround& ground = donor.ground;
-    ground.kind = kind;
-    ground.n = domain.tile_cells();
-    ground.ticks_per_tangent = static_cast<float>(cell_m) * k_ticks_per_m;
-    const TileDomain& read = domain;
-    SimLayerSet inputs{SimLayer::bedrock};
-    ground.bedrock = read.ints(SimLayer::bedrock);
-    if (kind != AvalancheKind::bedrock) {
-        inputs.insert(SimLayer::soil);
-        ground.soil = read.ints(SimLayer::soil);
-    }
-    if (sand || to_sand) ground.sand = read.ints(SimLayer::sand);
-    if (sand) {
-        inputs.insert({SimLayer::sand, SimLayer::repose});
-        ground.repose = read.reals(SimLayer::repose);
-    } else if (kind == AvalancheKind::soil) {
-        ground.tangent = tangent_of(params.soil_repose_deg);
-        ground.tangent_plants = tangent_of(params.soil_repose_plants_deg);
-        ground.vegetation = optional_view<float>(read, SimLayer::vegetation);
-        if (ground.vegetation.origin) inputs.insert(SimLayer::vegetation);
-    } else {
-        ground.tangent = tangent_of(params.bedrock_repose_deg);
-        ground.object = optional_view<int32_t>(read, SimLayer::object);
-        if (ground.object.origin) inputs.insert(SimLayer::object);
-    }
-    std::vector<uint8_t> closed(static_cast<size_t>(domain.slots()), 0);
-    for (int32_t slot = 0; slot < domain.slots(); ++slot)
-        for (int k = 0; k < k_direction_count; ++k)
-            if (!is_live(domain.plan().border(slot, k)))
-                closed[static_cast<size_t>(slot)] |= static_cast<uint8_t>(1 << k);
-    ground.closed = closed.data();
-    Buffer device_closed;
-    if (domain.on_device()) {
-        MemoryPool& pool = domain.pool();
-        SAHEL_ASSIGN(device_closed, Buffer::allocate(pool, closed.size()));
-        SAHEL_TRY(cuda::copy_to_device(device_closed.data(), closed.data(), closed.size()));
-        ground.closed = static_cast<const uint8_t*>(device_closed.data());
-    }
-
-    SimLayer now = moving_layer(kind);
-    SimLayer next = SimLayer::surface_next;
-    SAHEL_TRY(copy_plane(domain, now, next)); // frozen cells are not written by sweeps
-    inputs.for_each([&](SimLayer l) { SAHEL_CHECK_LE(0, domain.valid_halo(l)); });
-    for (int n = 0; n < sweeps; ++n) {
-        SimLayerSet stale;
-        int32_t valid = domain.halo();
-        inputs.for_each(
-            [&](SimLayer l) { valid = std::min(valid, domain.valid_halo(l == moving_layer(kind) ? now : l)); });
-        if (valid < k_radius) {
-            inputs.for_each([&](SimLayer l) {
-                const SimLayer plane = l == moving_layer(kind) ? now : l;
-                if (domain.valid_halo(plane) < domain.halo()) stale.insert(plane);
-            });
-            SAHEL_TRY(domain.exchange(stale));
-            valid = domain.halo();
-        }
-        const int32_t margin = valid - k_radius;
-        const bool soft = n % params.avalanche_soft_every == 0 || n >= sweeps - params.avalanche_soft_last;
-        donor.rule.strength = !sand                  ? params.avalanche_strength
-                              : until_quiet || !soft ? 1.0f
-                                                     : params.avalanche_strength;
-        donor.rule.start_ticks =
-            until_quiet ? static_cast<int32_t>(params.avalanche_tolerance * ground.ticks_per_tangent) : 0;
-        SlidePass pass{donor, domain.ints(next), {}};
-        SlabView<const int32_t> plane = read.ints(now);
-        (kind == AvalancheKind::sand   ? pass.donor.ground.sand
-         : kind == AvalancheKind::soil ? pass.donor.ground.soil
-                                       : pass.donor.ground.bedrock) = plane;
-        if (to_sand) pass.taken = domain.ints(SimLayer::sand);
-        const Launch& launch = domain.launch(margin, false, "sim/avalanche");
-        if (domain.keeps_flows()) {
-            const BorderFlowsView view = domain.border_flows(to_sand ? SimLayer::sand : moving_layer(kind));
-            if (domain.on_device()) {
-                SAHEL_TRY(add_slide_flows_cuda(domain.slots(), view, pass.donor));
-            } else {
-                add_border_flows("sim/avalanche flows", domain.slots(), view, 1, pass.donor);
-            }
-        }
-        if (domain.on_device()) {
-            SAHEL_TRY(run_slide_cuda(launch, pass));
-        } else {
-            SAHEL_ISA_CALL(run_slide, launch, pass);
-        }
-        SAHEL_TRY(domain.fill_edges({next}));
-        domain.set_valid_halo(next, margin);
-        if (to_sand) domain.set_valid_halo(SimLayer::sand, std::min(margin, domain.valid_halo(SimLayer::sand)));
-        std::swap(now, next);
-        done.sweeps = n + 1;
-        done.cells_swept += domain.owned_cells();
-        done.cells_all += domain.owned_cells();
-        if (until_quiet) {
-            SAHEL_ASSIGN(done.quiet, same_cells(domain, now, next));
-            if (done.quiet) break;
-        }
-    }
-    if (now != moving_layer(kind)) SAHEL_TRY(copy_plane(domain, now, moving_layer(kind)));
-    if (stats) *stats = done;
+    if (stats) *stats = {};
+    if (sweeps <= 0) return {};
+    if (domain.halo() < k_reach) return Error{ErrorKind::usage, "avalanches need halos of at least 2 cells"};
+    SAHEL_ASSIGN(const SlideBorders borders, SlideBorders::of(domain));
+    SAHEL_TRY(exchange_stale(domain, slide_inputs(domain, kind)));
+    SAHEL_ASSIGN(const std::unique_ptr<SlideRunner> runner, SlideRunner::make(domain, options.adaptive, sweeps));
+    Slide s{domain, params, kind, sweeps, borders, slide_ground(domain, borders, params, cell_m, kind), *runner, {}};
+    SAHEL_TRY(until_quiet ? sweeps_until_quiet(s, slide_inertia(params, cell_m)) : fixed_sweeps(s));
+    if (!stats) return {};
+    *stats = s.stats;
+    stats->cells_all = stats->sweeps * domain.owned_cells();
+    SAHEL_ASSIGN(stats->cells_swept, runner->cells());
     return {};
 }
 

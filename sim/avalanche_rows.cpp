@@ -1,12 +1,376 @@
-#include "sim/avalanche_sweep.h"
+#include "sim/avalanche_rows.h"
 
 namespace sahel::SAHEL_ISA_NAMESPACE {
 
-void run_slide(const Launch& l, const SlidePass& f) {
-    launch(l, f);
+namespace {
+
+constexpr int32_t k_rim = 2;
+constexpr int32_t k_width = k_slide_block_x + 2 * k_rim;
+constexpr int32_t k_row = (k_width + 15) / 16 * 16; // words
+constexpr int32_t k_ring = 4;                       // rows; a power of two
+
+using Row = int32_t[k_row];
+using RealRow = float[k_row];
+
+SAHEL_HD int32_t larger(int32_t a, int32_t b) {
+    return a > b ? a : b;
 }
-void run_slide_copy(const Launch& l, const SlideCopy& f) {
-    launch(l, f);
+SAHEL_HD int32_t smaller(int32_t a, int32_t b) {
+    return a < b ? a : b;
+}
+
+// What the kernels know of a row of cells.
+struct alignas(64) Cells {
+    Row height, limit, repose, across;
+};
+
+// Whether the block's cells, with `rim` around them, are all owned or in halos that are simulated.
+bool plain(const SlideGround& g, int32_t slot, const LocalRect& r, int32_t rim) {
+    const bool owned = r.x0 >= rim && r.y0 >= rim && r.x1 + rim <= g.n && r.y1 + rim <= g.n;
+    return owned || (g.closed[slot] == 0 && g.walls[slot] == 0);
+}
+
+// Cells [x0, x1) of row y; what is closed gives nothing.
+void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, bool all_give, Cells& to) {
+    const int32_t count = x1 - x0;
+    int32_t* const height = to.height;
+    int32_t* const limit = to.limit;
+    int32_t* const repose = to.repose;
+    int32_t* const across = to.across;
+    const int32_t* const rock = g.bedrock.row(slot, y) + x0;
+    if (g.kind == AvalancheKind::sand) {
+        const int32_t* const earth = g.soil.row(slot, y) + x0;
+        const int32_t* const loose = g.sand.row(slot, y) + x0;
+        const float* const tangent = g.repose.row(slot, y) + x0;
+        const float scale = g.ticks_per_tangent;
+        SAHEL_VECTORIZE
+        for (int32_t i = 0; i < count; ++i) {
+            height[i] = rock[i] + earth[i] + loose[i];
+            limit[i] = loose[i];
+            repose[i] = repose_ticks(tangent[i], scale);
+            across[i] = repose_across(repose[i]);
+        }
+    } else if (g.kind == AvalancheKind::bedrock && !g.object.origin) {
+        const int32_t steep = repose_ticks(g.tangent, g.ticks_per_tangent);
+        const int32_t steep_across = repose_across(steep);
+        SAHEL_VECTORIZE
+        for (int32_t i = 0; i < count; ++i) {
+            height[i] = rock[i];
+            limit[i] = k_slides_without_limit;
+            repose[i] = steep;
+            across[i] = steep_across;
+        }
+    } else {
+        for (int32_t i = 0; i < count; ++i) {
+            const SlideCell c = g(slot, x0 + i, y);
+            height[i] = c.height;
+            limit[i] = c.limit;
+            repose[i] = c.repose;
+            across[i] = repose_across(c.repose);
+        }
+    }
+    if (all_give) return;
+    for (int32_t i = 0; i < count; ++i)
+        if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
+}
+
+// Excess of a pair: above 0 the first gives, below the second. Both slide_excess() in one.
+SAHEL_HD int32_t pair_excess(int32_t drop, int32_t first, int32_t second) {
+    const int32_t over = larger(drop - first, smaller(drop + second, 0));
+    return larger(smaller(over, k_most_excess), -k_most_excess);
+}
+
+// Pairs of two rows, cell i of `a` with cell i + shift of `b`; the bits of all that are not 0.
+SAHEL_HD int32_t pair_row(const int32_t* ha, const int32_t* ta, const int32_t* hb, const int32_t* tb, int32_t* out,
+                          int32_t from, int32_t to) {
+    int32_t any = 0;
+    SAHEL_VECTORIZE
+    for (int32_t i = from; i < to; ++i) {
+        const int32_t e = pair_excess(ha[i] - hb[i], ta[i], tb[i]);
+        out[i] = e;
+        any |= e;
+    }
+    return any;
+}
+
+// Excess into what slides.
+SAHEL_HD int32_t slide_row(int32_t* pair, const float* share_a, const float* share_b, int32_t from, int32_t to) {
+    int32_t any = 0;
+    SAHEL_VECTORIZE
+    for (int32_t i = from; i < to; ++i) {
+        const int32_t e = pair[i];
+        const int32_t f = slide_amount(e, det::pick(e > 0, share_a[i], share_b[i]));
+        pair[i] = f;
+        any |= f;
+    }
+    return any;
+}
+
+void share_row(const SlideRule& rule, const int32_t* limit, const int32_t* e, const int32_t* se, const int32_t* s,
+               const int32_t* sw, const int32_t* up_se, const int32_t* up_s, const int32_t* up_sw, float* share,
+               int32_t from, int32_t to) {
+    const SlideRule r = rule;
+    SAHEL_VECTORIZE
+    for (int32_t i = from; i < to; ++i) {
+        const int32_t a = larger(e[i], 0), b = larger(se[i], 0), c = larger(s[i], 0), d = larger(sw[i], 0);
+        const int32_t w = larger(-e[i - 1], 0), nw = larger(-up_se[i - 1], 0);
+        const int32_t n = larger(-up_s[i], 0), ne = larger(-up_sw[i + 1], 0);
+        const int32_t sum = ((a + b) + (c + d)) + ((w + nw) + (n + ne));
+        const int32_t most = larger(larger(larger(a, b), larger(c, d)), larger(larger(w, nw), larger(n, ne)));
+        share[i] = slide_share(r, sum, most, limit[i]);
+    }
+}
+
+// The ring of rows of one block. Pairs are overwritten by what slides between them.
+struct Ring {
+    Cells cells[k_ring];
+    alignas(64) Row e[k_ring], se[k_ring], s[k_ring], sw[k_ring];
+    alignas(64) RealRow share[k_ring];
+};
+
+void clear(int32_t* row) {
+    for (int32_t i = 0; i < k_row; ++i) row[i] = 0;
+}
+
+// The sum of what a row of cells gets, into `net`; or apart, what it gives and what it gets.
+template <bool Apart>
+SAHEL_HD void gather_row(const int32_t* e, const int32_t* se, const int32_t* s, const int32_t* sw, const int32_t* up_se,
+                         const int32_t* up_s, const int32_t* up_sw, int32_t count, const int32_t* now, int32_t* out,
+                         int32_t* taken) {
+    SAHEL_VECTORIZE
+    for (int32_t i = 0; i < count; ++i) {
+        if constexpr (Apart) {
+            const int32_t given =
+                ((larger(e[i], 0) + larger(se[i], 0)) + (larger(s[i], 0) + larger(sw[i], 0))) +
+                ((larger(-e[i - 1], 0) + larger(-up_se[i - 1], 0)) + (larger(-up_s[i], 0) + larger(-up_sw[i + 1], 0)));
+            const int32_t got =
+                ((larger(-e[i], 0) + larger(-se[i], 0)) + (larger(-s[i], 0) + larger(-sw[i], 0))) +
+                ((larger(e[i - 1], 0) + larger(up_se[i - 1], 0)) + (larger(up_s[i], 0) + larger(up_sw[i + 1], 0)));
+            out[i] = now[i] - given;
+            taken[i] += got;
+        } else {
+            out[i] =
+                now[i] + (((e[i - 1] - e[i]) + (up_se[i - 1] - se[i])) + ((up_s[i] - s[i]) + (up_sw[i + 1] - sw[i])));
+        }
+    }
+}
+
+bool sweep_block(const SlideSweep& f, const SlideWork& work, Ring& ring) {
+    const SlideGround& g = f.ground;
+    const LocalRect rect = work.rect;
+    const int32_t slot = work.slot;
+    const int32_t w = rect.x1 - rect.x0; // cell x of the block is word x - x0 + k_rim of a row
+    const bool all_give = plain(g, slot, rect, k_rim);
+    const SlabView<const int32_t> plane = g.sliding();
+    int32_t steep[k_ring] = {}; // pairs of a row that are not 0, and then what slides in them
+    int32_t any = 0;
+    clear(ring.se[(rect.y0 - k_rim) & (k_ring - 1)]);
+    for (int32_t r = rect.y0 - k_rim; r < rect.y1 + k_rim; ++r) {
+        const int32_t i0 = r & (k_ring - 1);
+        const int32_t i1 = (r - 1) & (k_ring - 1);
+        const int32_t i2 = (r - 2) & (k_ring - 1);
+        const int32_t i3 = (r - 3) & (k_ring - 1);
+        Cells& now = ring.cells[i0];
+        load_row(g, slot, r, rect.x0 - k_rim, rect.x1 + k_rim, all_give, now);
+        steep[i0] = pair_row(now.height, now.repose, now.height + 1, now.repose + 1, ring.e[i0], 0, w + 3);
+        if (r == rect.y0 - k_rim) continue;
+        const Cells& up = ring.cells[i1];
+        steep[i1] |= pair_row(up.height, up.repose, now.height, now.repose, ring.s[i1], 0, w + 4) |
+                     pair_row(up.height, up.across, now.height + 1, now.across + 1, ring.se[i1], 0, w + 3) |
+                     pair_row(up.height, up.across, now.height - 1, now.across - 1, ring.sw[i1], 1, w + 4);
+        if (r == rect.y0 - 1) continue;
+        // Shares of row r - 1, from the pairs of rows r - 2 and r - 1.
+        const bool gives = (steep[i1] | steep[i2]) != 0;
+        if (gives) {
+            share_row(f.rule, up.limit, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], ring.se[i2], ring.s[i2],
+                      ring.sw[i2], ring.share[i1], 1, w + 3);
+        } else {
+            for (int32_t i = 0; i < k_row; ++i) ring.share[i1][i] = 0.0f;
+        }
+        if (r == rect.y0) { // row r - 1 is the rim: what it slides to row r comes with the next row
+            continue;
+        }
+        // What slides: from row r - 2 downwards (its shares and those of r - 1 are known), and within row r - 2.
+        const float* const a = ring.share[i2];
+        const float* const b = ring.share[i1];
+        int32_t slid = 0;
+        if (steep[i2] != 0) {
+            slid = slide_row(ring.s[i2], a, b, 2, w + 2) | slide_row(ring.se[i2], a, b + 1, 1, w + 2) |
+                   slide_row(ring.sw[i2], a, b - 1, 2, w + 3);
+            if (r - 2 >= rect.y0) slid |= slide_row(ring.e[i2], a, a + 1, 1, w + 2);
+        }
+        steep[i2] = slid;
+        if (r - 2 < rect.y0) {
+            any |= slid;
+            continue;
+        }
+        any |= slid;
+        const int32_t y = r - 2;
+        const int32_t* const from = plane.row(slot, y) + rect.x0;
+        int32_t* const out = f.out.row(slot, y) + rect.x0;
+        if ((slid | steep[i3]) == 0) {
+            for (int32_t i = 0; i < w; ++i) out[i] = from[i];
+        } else {
+            // Cells that are not simulated stay as they are: in blocks with such cells one by one.
+            const int32_t step = all_give ? w : 1;
+            int32_t* const taken = f.taken.origin ? f.taken.row(slot, y) + rect.x0 : nullptr;
+            for (int32_t i = 0; i < w; i += step) {
+                const int32_t c = i + k_rim;
+                if (!all_give && !g.gives(slot, rect.x0 + i, y)) {
+                    out[i] = from[i];
+                } else if (taken) {
+                    gather_row<true>(ring.e[i2] + c, ring.se[i2] + c, ring.s[i2] + c, ring.sw[i2] + c, ring.se[i3] + c,
+                                     ring.s[i3] + c, ring.sw[i3] + c, step, from + i, out + i, taken + i);
+                } else {
+                    gather_row<false>(ring.e[i2] + c, ring.se[i2] + c, ring.s[i2] + c, ring.sw[i2] + c, ring.se[i3] + c,
+                                      ring.s[i3] + c, ring.sw[i3] + c, step, from + i, out + i, nullptr);
+                }
+            }
+        }
+    }
+    return any != 0;
+}
+
+bool probe_block(const SlideProbe& f, const SlideWork& work, Ring& ring) {
+    const LocalRect rect = work.rect;
+    const int32_t w = rect.x1 - rect.x0;
+    const bool all_give = plain(f.ground, work.slot, rect, 1);
+    for (int32_t r = rect.y0; r <= rect.y1; ++r) {
+        Cells& now = ring.cells[r & 1];
+        load_row(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
+        for (int32_t i = 0; i < w + 2; ++i) { // what gives nothing never stands too steep
+            now.repose[i] = now.limit[i] > 0 ? now.repose[i] + f.start_ticks : INT32_MAX / 2;
+            now.across[i] = now.limit[i] > 0 ? now.across[i] + f.start_ticks : INT32_MAX / 2;
+        }
+        if (r == rect.y0) continue;
+        const Cells& up = ring.cells[(r - 1) & 1];
+        const int32_t any = pair_row(up.height, up.repose, up.height + 1, up.repose + 1, ring.e[0], 1, w + 1) |
+                            pair_row(up.height, up.repose, now.height, now.repose, ring.s[0], 1, w + 1) |
+                            pair_row(up.height, up.across, now.height + 1, now.across + 1, ring.se[0], 1, w + 1) |
+                            pair_row(up.height, up.across, now.height - 1, now.across - 1, ring.sw[0], 1, w + 1);
+        if (any != 0) return true;
+    }
+    return false;
+}
+
+// One direction of a row of pairs with memory.
+SAHEL_HD int32_t flow_row(const SlideInertia& rule, const Cells& a, const int32_t* repose_a, const Cells& b,
+                          const int32_t* repose_b, int32_t shift, int32_t* flow, int32_t count) {
+    const SlideInertia r = rule;
+    const int32_t* const ha = a.height + 1;
+    const int32_t* const hb = b.height + 1 + shift;
+    const int32_t* const ca = a.limit + 1;
+    const int32_t* const cb = b.limit + 1 + shift;
+    const int32_t* const ra = repose_a + 1;
+    const int32_t* const rb = repose_b + 1 + shift;
+    int32_t any = 0;
+    SAHEL_VECTORIZE
+    for (int32_t i = 0; i < count; ++i) {
+        const int32_t next = slide_flow(r, flow[i], ha[i] - hb[i], {ra[i], ca[i]}, {rb[i], cb[i]});
+        flow[i] = next;
+        any |= next;
+    }
+    return any;
+}
+
+bool flow_block(const SlideFlows& f, const SlideWork& work, Ring& ring) {
+    const LocalRect rect = work.rect;
+    const int32_t w = rect.x1 - rect.x0;
+    const bool all_give = plain(f.ground, work.slot, rect, 1);
+    int32_t any = 0;
+    for (int32_t r = rect.y0; r <= rect.y1; ++r) {
+        Cells& now = ring.cells[r & 1];
+        load_row(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
+        SAHEL_VECTORIZE
+        for (int32_t i = 0; i < w + 2; ++i) now.limit[i] = slide_cap(now.limit[i]);
+        if (r == rect.y0) continue;
+        const Cells& up = ring.cells[(r - 1) & 1];
+        const int32_t y = r - 1;
+        int32_t* const e = f.e.row(work.slot, y) + rect.x0;
+        int32_t* const se = f.se.row(work.slot, y) + rect.x0;
+        int32_t* const s = f.s.row(work.slot, y) + rect.x0;
+        int32_t* const sw = f.sw.row(work.slot, y) + rect.x0;
+        if (!all_give)
+            for (int32_t i = 0; i < w; ++i) {
+                const int32_t x = rect.x0 + i;
+                e[i] = f.ground.remembered(work.slot, x, y, x + 1, y, e[i]);
+                se[i] = f.ground.remembered(work.slot, x, y, x + 1, y + 1, se[i]);
+                s[i] = f.ground.remembered(work.slot, x, y, x, y + 1, s[i]);
+                sw[i] = f.ground.remembered(work.slot, x, y, x - 1, y + 1, sw[i]);
+            }
+        any |= flow_row(f.rule, up, up.repose, up, up.repose, 1, e, w) |
+               flow_row(f.rule, up, up.across, now, now.across, 1, se, w) |
+               flow_row(f.rule, up, up.repose, now, now.repose, 0, s, w) |
+               flow_row(f.rule, up, up.across, now, now.across, -1, sw, w);
+        if (!all_give)
+            for (int32_t i = 0; i < w; ++i) {
+                const int32_t x = rect.x0 + i;
+                if (f.ground.sealed(work.slot, x, y, x + 1, y)) e[i] = 0;
+                if (f.ground.sealed(work.slot, x, y, x + 1, y + 1)) se[i] = 0;
+                if (f.ground.sealed(work.slot, x, y, x, y + 1)) s[i] = 0;
+                if (f.ground.sealed(work.slot, x, y, x - 1, y + 1)) sw[i] = 0;
+            }
+    }
+    return any != 0;
+}
+
+bool apply_block(const SlideApply& f, const SlideWork& work, Ring&) {
+    const LocalRect rect = work.rect;
+    const int32_t w = rect.x1 - rect.x0;
+    const bool all_live = plain(f.ground, work.slot, rect, 0);
+    for (int32_t y = rect.y0; y < rect.y1; ++y) {
+        int32_t* const sand = f.sand.row(work.slot, y) + rect.x0;
+        const int32_t* const e = f.e.row(work.slot, y) + rect.x0;
+        const int32_t* const se = f.se.row(work.slot, y) + rect.x0;
+        const int32_t* const s = f.s.row(work.slot, y) + rect.x0;
+        const int32_t* const sw = f.sw.row(work.slot, y) + rect.x0;
+        const int32_t* const up_se = f.se.row(work.slot, y - 1) + rect.x0;
+        const int32_t* const up_s = f.s.row(work.slot, y - 1) + rect.x0;
+        const int32_t* const up_sw = f.sw.row(work.slot, y - 1) + rect.x0;
+        if (all_live) {
+            gather_row<false>(e, se, s, sw, up_se, up_s, up_sw, w, sand, sand, nullptr);
+            continue;
+        }
+        for (int32_t i = 0; i < w; ++i)
+            if (f.ground.moves(work.slot, rect.x0 + i, y))
+                gather_row<false>(e + i, se + i, s + i, sw + i, up_se + i, up_s + i, up_sw + i, 1, sand + i, sand + i,
+                                  nullptr);
+    }
+    return false;
+}
+
+template <class F, bool (*Block)(const F&, const SlideWork&, Ring&)> struct Job {
+    const SlideLaunch* launch;
+    const F* pass;
+    static void run(const void* context, int64_t index) {
+        const Job& job = *static_cast<const Job*>(context);
+        const SlideLaunch& l = *job.launch;
+        const int64_t i = l.backward ? l.count - 1 - index : index;
+        Ring ring;
+        const bool slid = Block(*job.pass, l.work[i], ring);
+        if (l.slid) l.slid[i] = static_cast<uint8_t>(slid);
+    }
+};
+
+template <class F, bool (*Block)(const F&, const SlideWork&, Ring&)> void run_all(const SlideLaunch& l, const F& pass) {
+    if (l.count == 0) return;
+    const Job<F, Block> job{&l, &pass};
+    detail::run_blocks(l.name, l.cells, l.count, &Job<F, Block>::run, &job);
+}
+
+} // namespace
+
+void probe_slides(const SlideLaunch& l, const SlideProbe& f) {
+    run_all<SlideProbe, probe_block>(l, f);
+}
+void sweep_slides(const SlideLaunch& l, const SlideSweep& f) {
+    run_all<SlideSweep, sweep_block>(l, f);
+}
+void flow_slides(const SlideLaunch& l, const SlideFlows& f) {
+    run_all<SlideFlows, flow_block>(l, f);
+}
+void apply_slides(const SlideLaunch& l, const SlideApply& f) {
+    run_all<SlideApply, apply_block>(l, f);
 }
 
 } // namespace sahel::SAHEL_ISA_NAMESPACE

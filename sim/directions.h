@@ -29,16 +29,4 @@ SAHEL_HD constexpr int direction_of(int32_t dx, int32_t dy) {
 }
 inline constexpr float k_sqrt2 = 1.41421356237309505f;
 
-/// Mirrors the direction bits of every byte: x turns east and west round, y north and south.
-SAHEL_HD constexpr uint32_t mirrored_directions(uint32_t bits, bool flip_x, bool flip_y) {
-    uint32_t out = 0;
-    for (int b = 0; b < 32; ++b) {
-        int k = b & 7;
-        if (flip_x) k = (4 - k) & 7;
-        if (flip_y) k = (8 - k) & 7;
-        out |= ((bits >> b) & 1u) << ((b & ~7) | k);
-    }
-    return out;
-}
-
 } // namespace sahel

@@ -119,11 +119,10 @@ class ExchangePlan {
     std::vector<EdgeFill> fills_;
 };
 
-/// The word that a halo cell receives: mirrored vectors change their sign, direction bits their places.
+/// The word that a halo cell receives: mirrored vectors change their sign.
 SAHEL_HD uint32_t mirrored_word(uint32_t word, Mirror mirror, bool flip_x, bool flip_y) {
     if ((mirror == Mirror::odd_x && flip_x) || (mirror == Mirror::odd_y && flip_y))
         return word ^ 0x80000000u; // a float
-    if (mirror == Mirror::directions && (flip_x || flip_y)) return mirrored_directions(word, flip_x, flip_y);
     return word;
 }
 

@@ -40,9 +40,10 @@ enum class SimLayer : uint8_t {
     // working planes of avalanching (avalanche.h)
     surface,
     surface_next,
-    give,
-    paths,
-    paths_next,
+    slide_e,
+    slide_se,
+    slide_s,
+    slide_sw,
     count_
 };
 inline constexpr int k_sim_layer_count = static_cast<int>(SimLayer::count_);
@@ -51,9 +52,8 @@ inline constexpr int k_sim_layer_count = static_cast<int>(SimLayer::count_);
 /// nothing (nothing comes in). Beyond a frozen border the same "nothing" holds, and all else is what was loaded.
 enum class Outside : uint8_t { as_edge, nothing };
 
-/// A wall mirrors the world: a component of a vector changes its sign there, and bits of directions (bit k of each byte
-/// is direction k, directions.h) change places.
-enum class Mirror : uint8_t { even, odd_x, odd_y, directions };
+/// A wall mirrors the world: a component of a vector changes its sign there.
+enum class Mirror : uint8_t { even, odd_x, odd_y };
 
 enum class SimRole : uint8_t {
     conserved, ///< state, counted by the ledger
@@ -95,11 +95,12 @@ inline constexpr std::array<SimLayerInfo, k_sim_layer_count> k_sim_layers = {{
     {SimLayer::hopping_next,  "hopping_next",  "m",   LayerType::ticks, SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "The same after one leg of its way"},
     {SimLayer::bounce,        "bounce",        "m/s", LayerType::real,  SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "Sand that bounced, as thickness per second"},
     {SimLayer::repose,        "repose",        "m/m", LayerType::real,  SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Tangent of the angle of repose of sand"},
-    {SimLayer::surface,       "surface",       "m",   LayerType::ticks, SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Top of the material that avalanches"},
-    {SimLayer::surface_next,  "surface_next",  "m",   LayerType::ticks, SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "The same after the sweep"},
-    {SimLayer::give,          "give",          "",    LayerType::real,  SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "Share of each excess that a cell gives"},
-    {SimLayer::paths,         "paths",         "",    LayerType::flags, SimRole::working,   Outside::nothing, Mirror::directions, std::nullopt,         "Directions in which all links of a path are too steep"},
-    {SimLayer::paths_next,    "paths_next",    "",    LayerType::flags, SimRole::working,   Outside::nothing, Mirror::directions, std::nullopt,         "The same while paths are doubled"},
+    {SimLayer::surface,       "surface",       "m",   LayerType::ticks, SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Top of the ground"},
+    {SimLayer::surface_next,  "surface_next",  "m",   LayerType::ticks, SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "What avalanches, after the sweep"},
+    {SimLayer::slide_e,       "slide_e",       "m",   LayerType::ticks, SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "Sand sliding from a cell to its eastern neighbour, negative: from there"},
+    {SimLayer::slide_se,      "slide_se",      "m",   LayerType::ticks, SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "The same, south-eastern neighbour"},
+    {SimLayer::slide_s,       "slide_s",       "m",   LayerType::ticks, SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "The same, southern neighbour"},
+    {SimLayer::slide_sw,      "slide_sw",      "m",   LayerType::ticks, SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "The same, south-western neighbour"},
 }};
 // clang-format on
 

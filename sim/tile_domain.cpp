@@ -410,6 +410,16 @@ int64_t TileDomain::source(LedgerSource source, SimLayer layer, int32_t slot) co
                     static_cast<size_t>(slot)];
 }
 
+Result<void*> TileDomain::scratch(const std::string& name, uint64_t bytes, bool* fresh) {
+    Buffer& buffer = scratch_[name];
+    const bool taken = buffer.bytes() == bytes;
+    if (!taken) {
+        SAHEL_ASSIGN(buffer, Buffer::allocate(*pool_, bytes));
+    }
+    if (fresh) *fresh = !taken;
+    return buffer.data();
+}
+
 BorderFlowsView TileDomain::border_flows(SimLayer layer) {
     SAHEL_CHECK(keeps_flows());
     const auto first = static_cast<int64_t>(flow_index(layer)) * slots();

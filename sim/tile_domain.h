@@ -116,6 +116,8 @@ class TileDomain {
     /// Ticks that a named source added to a slot (taken: negative). Called by what adds them, when keeps_flows().
     void add_source(LedgerSource source, SimLayer layer, int32_t slot, int64_t ticks);
     [[nodiscard]] int64_t source(LedgerSource source, SimLayer layer, int32_t slot) const;
+    /// Workspace that passes keep with the domain, by name; `fresh`: its bytes are not set. Errors: budget.
+    Result<void*> scratch(const std::string& name, uint64_t bytes, bool* fresh = nullptr);
     [[nodiscard]] FrameIndex frame() const { return {tile_cells(), halo()}; }
 
     /// How often exchange ran, and how many halo words it moved.
@@ -158,6 +160,7 @@ class TileDomain {
     Buffer inbox_;                 ///< int32 [conserved layer of the domain][slot][frame cell]
     Buffer frozen_;                ///< bits of frozen directions, by slot
     std::vector<int64_t> sources_; ///< [source][conserved layer of the domain][slot]
+    std::map<std::string, Buffer> scratch_;
 };
 
 } // namespace sahel

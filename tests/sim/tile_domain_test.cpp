@@ -56,12 +56,11 @@ TEST(TileDomain, PeriodicHalosWrap) {
     }
 }
 
-TEST(TileDomain, WallsMirrorCellsVectorsAndDirections) {
+TEST(TileDomain, WallsMirrorCellsAndVectors) {
     TileDomain d = domain_of(TileLayout::rectangle(k_n, k_halo, 2, 1, Border::wall),
-                             {SimLayer::sand, SimLayer::wind_x, SimLayer::wind_y, SimLayer::paths});
+                             {SimLayer::sand, SimLayer::wind_x, SimLayer::wind_y});
     ASSERT_TRUE(d.fill(SimLayer::wind_x, [](int64_t x, int64_t) { return 1.0f + static_cast<float>(x); }).ok());
     ASSERT_TRUE(d.fill(SimLayer::wind_y, [](int64_t, int64_t y) { return 1.0f + static_cast<float>(y); }).ok());
-    ASSERT_TRUE(d.fill(SimLayer::paths, [](int64_t, int64_t) { return 0x03; }).ok()); // east and south-east
     ASSERT_TRUE(d.exchange(d.layers()).ok());
     const auto s = d.ints(SimLayer::sand);
     for (int32_t y = -k_halo; y < k_n + k_halo; ++y)
@@ -74,9 +73,6 @@ TEST(TileDomain, WallsMirrorCellsVectorsAndDirections) {
             ASSERT_EQ(d.reals(SimLayer::wind_x)(0, x, y), x < 0 ? -(1.0f + mx) : 1.0f + mx);
             ASSERT_EQ(d.reals(SimLayer::wind_y)(0, x, y), y != my ? -(1.0f + my) : 1.0f + my);
         }
-    EXPECT_EQ(d.ints(SimLayer::paths)(0, -1, 3), 0x18); // west, south-west
-    EXPECT_EQ(d.ints(SimLayer::paths)(0, 3, -1), 0x81); // east, north-east
-    EXPECT_EQ(d.ints(SimLayer::paths)(0, -1, -1), 0x30);
     EXPECT_EQ(d.plan().border(0, 4), Border::wall);
     EXPECT_EQ(d.plan().border(0, 0), Border::neighbour);
 }
@@ -111,16 +107,16 @@ TEST(TileDomain, FrozenNeighboursKeepWhatWasLoaded) {
     layout.tile_cells = k_n;
     layout.halo = k_halo;
     layout.tiles = {{0, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    TileDomain d = domain_of(layout, {SimLayer::sand, SimLayer::give});
+    TileDomain d = domain_of(layout, {SimLayer::sand, SimLayer::cliff});
     EXPECT_EQ(d.plan().border(0, 1), Border::frozen);
     EXPECT_EQ(d.plan().border(0, 0), Border::neighbour);
     EXPECT_TRUE(d.plan().has_frozen());
     const std::vector<int32_t> cells(k_halo * k_halo, 4711);
     ASSERT_TRUE(d.load_frozen(0, 1, SimLayer::sand, cells.data()).ok());
-    ASSERT_TRUE(d.fill(SimLayer::give, [](int64_t, int64_t) { return 1.0f; }).ok());
+    ASSERT_TRUE(d.fill(SimLayer::cliff, [](int64_t, int64_t) { return 1.0f; }).ok());
     ASSERT_TRUE(d.exchange(d.layers()).ok());
     EXPECT_EQ(d.ints(SimLayer::sand)(0, k_n + 2, k_n + 2), 4711);
-    EXPECT_EQ(d.reals(SimLayer::give)(0, k_n + 2, k_n + 2), 0.0f);
+    EXPECT_EQ(d.reals(SimLayer::cliff)(0, k_n + 2, k_n + 2), 0.0f);
     EXPECT_EQ(d.ints(SimLayer::sand)(0, k_n + 2, 3), value_at(k_n + 2, 3));
 
     // The cover of slot 0 has its live sides and nothing else, each cell once.
