@@ -144,7 +144,7 @@ Status Aeolian::step(TileDomain& domain, int64_t step) {
     stats_.legs = way.legs;
 
     std::vector<Pass> passes;
-    if (fresh || domain.valid_halo(SimLayer::wind_x) < domain.halo()) passes.push_back(wind_.pass());
+    if (fresh || domain.valid_halo(SimLayer::wind_x) < 0) passes.push_back(wind_.pass());
     const bool echoes = p.echo_rate_m_per_s > 0.0f;
     if (!echoes && (fresh || domain.valid_halo(SimLayer::echo) < 0)) passes.push_back(no_echo_pass());
     for (part.index = 0; part.index < parts; ++part.index) {

@@ -113,7 +113,8 @@ TEST(EchoDunes, AreNowhereWithoutARate) {
 
 TEST(EchoDunes, LookNoFurtherThanTheyDeclare) {
     SandParams p = with_echo();
-    p.echo_max_cliff_m = 2.0f; // four cells
+    p.echo_max_cliff_m = 1.0f; // six cells, for the random cliffs below 1 m
+    p.echo_sticky_range = 6.0f;
     for (const bool curved : {false, true}) {
         p.shadow_curved = curved;
         EXPECT_EQ(find_dishonest(cliff_pass(p, 1.0), k_sand_layers, 5), "");
@@ -122,7 +123,7 @@ TEST(EchoDunes, LookNoFurtherThanTheyDeclare) {
     EXPECT_EQ(find_dishonest(no_echo_pass(), k_sand_layers, 5), "");
     p.shadow_curved = false;
     Pass pass = echo_pass(p, 1.0);
-    pass.decl = EchoPass::decl(1, false);
+    pass.decl = EchoPass::decl(2, false);
     EXPECT_NE(find_dishonest(pass, k_sand_layers, 5), "");
 }
 
