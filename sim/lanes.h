@@ -50,12 +50,16 @@ SAHEL_HD Reals clamp(Reals v, float low, float high) {
     const Reals h = Reals{} + high;
     return v < l ? l : (v > h ? h : v);
 }
+/// Whether some bit of some lane is set; of a comparison: whether it holds in some lane.
+SAHEL_HD bool any(Ints v) {
+    const Halves halves = reinterpret_cast<Halves>(v);
+    int64_t bits = 0;
+    for (int32_t i = 0; i < k_count / 2; ++i) bits |= halves[i];
+    return bits != 0;
+}
 /// Whether all lanes of a are equal, and all of b.
 SAHEL_HD bool uniform(Ints a, Ints b) {
-    const Halves differ = reinterpret_cast<Halves>((a ^ a[0]) | (b ^ b[0]));
-    int64_t any = 0;
-    for (int32_t i = 0; i < k_count / 2; ++i) any |= differ[i];
-    return any == 0;
+    return !any((a ^ a[0]) | (b ^ b[0]));
 }
 
 } // namespace SAHEL_EXECUTOR_NAMESPACE

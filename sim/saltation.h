@@ -30,8 +30,8 @@ inline constexpr int32_t k_longest_leg = 7;
 inline constexpr int32_t k_leg_radius = 8; ///< the cells around the target too
 
 /// Amounts below this are rounded at random, up or down, so that nothing is too slow to happen; above it the nearest
-/// tick is off by less than 1 / 2000, and no random number need be drawn.
-inline constexpr float k_plain_ticks = 1024.0f;
+/// tick is off by less than 1 / 500, this way or that, and no random number need be drawn.
+inline constexpr float k_plain_ticks = 256.0f;
 
 SAHEL_HD int32_t rounded_ticks(float ticks, uint32_t bits) { // ticks >= 0; no branch
     const auto whole = static_cast<int32_t>(ticks);
@@ -272,7 +272,7 @@ struct DepositPass {
         const float bounced = static_cast<float>(here) - settles;
         const float wx = wind_x(s, x, y);
         const float wy = wind_y(s, x, y);
-        const float rest = by_amount ? bounced : det::pick(here > 0, bounced / static_cast<float>(here), 0.0f);
+        const float rest = det::pick(by_amount, bounced, det::pick(here > 0, bounced / static_cast<float>(here), 0.0f));
         return det::pick(g.flooded | (object(s, x, y) != 0), 0.0f,
                          rest * det::sqrt(wx * wx + wy * wy) * (1.0f - g.plants));
     }

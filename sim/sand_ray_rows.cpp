@@ -10,8 +10,8 @@ namespace {
 // at the same offset: then the four corners of the samples are four contiguous pieces of memory.
 constexpr int32_t k_wide = lanes::k_count;
 
-// How high the ground rises around: per strip of columns, over a block's rows and all within reach of them. Ground that
-// stands less than least * k * l above a cell shelters nothing k cells off or farther: those samples are left out.
+// How high the ground rises around: per strip of columns, over a block's rows and all within reach of them. It bounds
+// the slope of samples that were not taken yet.
 struct Strips {
     static constexpr int32_t k_most = 256;
     int32_t first = 0; // column of strip 0
@@ -51,15 +51,13 @@ struct ShadowRows {
         for (int32_t k = 1; k <= k_table; ++k) per_tick[k] = f.per_tick(k);
     }
 
-    inline __attribute__((always_inline)) int32_t samples_for(const Strips& strips, const int32_t* surface,
-                                                              int32_t x) const {
+    // How far the ground around may rise above a piece's lowest cell, in ticks; a little more than exact, so that no
+    // rounding makes a difference to what is left out.
+    inline __attribute__((always_inline)) float top(const Strips& strips, const int32_t* surface, int32_t x) const {
         const int32_t reach = WindShadowPass::radius(f.samples);
         int32_t lowest = surface[0];
         for (int32_t j = 0; j < k_wide; ++j) lowest = surface[j] < lowest ? surface[j] : lowest;
-        const int64_t rise = int64_t{strips.above(x - reach, x + k_wide + reach)} - lowest;
-        // A little more than exact: what is left out must not come near `least` by rounding.
-        const float cells = 1.001f * (static_cast<float>(rise) * k_m_per_tick) / (f.least * f.cell_m);
-        return cells < static_cast<float>(f.samples) ? static_cast<int32_t>(cells) : f.samples;
+        return 1.001f * static_cast<float>(int64_t{strips.above(x - reach, x + k_wide + reach)} - lowest);
     }
 
     inline __attribute__((always_inline)) void piece(const Strips& strips, int32_t s, int32_t x, int32_t y) const {
@@ -79,9 +77,14 @@ struct ShadowRows {
         const lanes::Ints here = lanes::load(surface);
         lanes::Reals px{};
         lanes::Reals py{};
-        lanes::Reals steepest{};
-        const int32_t samples = samples_for(strips, surface, x);
-        for (int32_t k = 1; k <= samples; ++k) {
+        lanes::Reals steepest = lanes::Reals{} + f.least; // less is no shelter
+        const float most = top(strips, surface, x);
+        const float full = f.least + 1.001f * f.range;
+        for (int32_t k = 1; k <= f.samples; ++k) {
+            // From here on no sample is steeper than this. Where all lanes are there already, or in full shelter, the
+            // rest of the way changes nothing.
+            const float slope = k <= k_table ? per_tick[k] : f.per_tick(k);
+            if (!lanes::any(steepest < lanes::Reals{} + det::min(most * slope, full))) break;
             px -= dx;
             py -= dy;
             const lanes::Ints ox = lanes::floor(px);
@@ -103,7 +106,7 @@ struct ShadowRows {
                 for (int32_t j = 0; j < k_wide; ++j)
                     rise[j] = rise_ticks(surface + j + oy[j] * stride + ox[j], stride, here[j], u[j], v[j]);
             }
-            steepest = lanes::max(rise * (k <= k_table ? per_tick[k] : f.per_tick(k)), steepest);
+            steepest = lanes::max(rise * slope, steepest);
         }
         lanes::store(f.shadow.row(s, y) + x, lanes::clamp((steepest - f.least) / f.range, 0.0f, 1.0f));
     }

@@ -9,22 +9,32 @@ namespace {
 // random numbers, then the move. Over open sand no cell does, and ten rounds of multiplication are saved.
 constexpr int32_t k_wide = 32;
 constexpr int32_t k_rows_per_block = 16;
+constexpr int32_t k_few = 4;
 
 struct Words {
     alignas(64) uint32_t a[k_wide];
     alignas(64) uint32_t b[k_wide];
 
-    inline __attribute__((always_inline)) void set(bool drawn, const CellPlaces& places, const RandomStream& random,
-                                                   int32_t s, int32_t x, int32_t y, int32_t w) {
-        if (!drawn) {
+    alignas(64) int32_t drawn[k_wide]; // 1 where the outcome depends on them
+
+    inline __attribute__((always_inline)) void set(const CellPlaces& places, const RandomStream& random, int32_t s,
+                                                   int32_t x, int32_t y, int32_t w) {
+        int32_t count = 0;
+        for (int32_t j = 0; j < w; ++j) count += drawn[j];
+        if (count <= k_few)
             for (int32_t j = 0; j < w; ++j) a[j] = b[j] = 0;
-            return;
-        }
+        if (count == 0) return;
         const int64_t wy = places.y(s, y);
-        for (int32_t j = 0; j < w; ++j) {
+        const auto draw = [&](int32_t j) __attribute__((always_inline)) {
             const Random4 r = random.at(places.x(s, x + j), wy);
             a[j] = r.v[0];
             b[j] = r.v[1];
+        };
+        if (count <= k_few) {
+            for (int32_t j = 0; j < w; ++j)
+                if (drawn[j] != 0) draw(j);
+        } else { // all at once cost little more than a few one by one
+            for (int32_t j = 0; j < w; ++j) draw(j);
         }
     }
 };
@@ -46,13 +56,13 @@ template <bool k_echoes> struct LiftRows {
         alignas(64) float ticks[k_wide];
         each_piece(
             r, [&](int32_t x, int32_t y, int32_t w) __attribute__((always_inline)) {
-                int32_t draws = 0;
                 SAHEL_VECTORIZE
                 for (int32_t j = 0; j < w; ++j) {
                     ticks[j] = p.template wanted<k_echoes>(s, x + j, y);
-                    draws |= static_cast<int32_t>(p.draws(ticks[j], p.sand(s, x + j, y), p.airborne(s, x + j, y)));
+                    words.drawn[j] =
+                        static_cast<int32_t>(p.draws(ticks[j], p.sand(s, x + j, y), p.airborne(s, x + j, y)));
                 }
-                words.set(draws != 0, p.places, p.random, s, x, y, w);
+                words.set(p.places, p.random, s, x, y, w);
                 SAHEL_VECTORIZE
                 for (int32_t j = 0; j < w; ++j) p.move(s, x + j, y, ticks[j], words.a[j], words.b[j]);
             });
@@ -67,14 +77,13 @@ template <bool k_echoes> struct DepositRows {
         alignas(64) float settles[k_wide];
         each_piece(
             r, [&](int32_t x, int32_t y, int32_t w) __attribute__((always_inline)) {
-                int32_t draws = 0;
                 SAHEL_VECTORIZE
                 for (int32_t j = 0; j < w; ++j) {
                     settles[j] = static_cast<float>(p.arrived(s, x + j, y)) *
                                  p.template settling<k_echoes>(s, x + j, y, p.ground(s, x + j, y));
-                    draws |= static_cast<int32_t>(p.draws(settles[j]));
+                    words.drawn[j] = static_cast<int32_t>(p.draws(settles[j]));
                 }
-                words.set(draws != 0, p.places, p.random, s, x, y, w);
+                words.set(p.places, p.random, s, x, y, w);
                 SAHEL_VECTORIZE
                 for (int32_t j = 0; j < w; ++j) p.move(s, x + j, y, p.ground(s, x + j, y), settles[j], words.a[j]);
             });
@@ -93,8 +102,6 @@ template <bool k_echoes> struct WearRows {
         alignas(64) int32_t loosened[k_wide];
         each_piece(
             r, [&](int32_t x, int32_t y, int32_t w) __attribute__((always_inline)) {
-                int32_t draws = 0;
-                int32_t wears = 0;
                 SAHEL_VECTORIZE
                 for (int32_t j = 0; j < w; ++j) {
                     const DepositPass::Ground g = p.ground(s, x + j, y);
@@ -102,17 +109,14 @@ template <bool k_echoes> struct WearRows {
                     settles[j] = static_cast<float>(here) * p.template settling<k_echoes>(s, x + j, y, g);
                     moisture[j] = g.moisture;
                     scale[j] = p.wear_scale(s, x + j, y, g, settles[j], here);
-                    draws |= static_cast<int32_t>(p.draws(settles[j]));
-                    wears |= static_cast<int32_t>(p.can_wear(g, scale[j]));
+                    words.drawn[j] = static_cast<int32_t>(p.draws(settles[j]));
+                    wear.drawn[j] = static_cast<int32_t>(p.can_wear(g, scale[j]));
                 }
-                words.set(draws != 0, p.places, p.random, s, x, y, w);
-                for (int32_t j = 0; j < w; ++j) loosened[j] = 0;
-                if (wears != 0) {
-                    wear.set(true, p.places, p.random_wear, s, x, y, w);
-                    SAHEL_VECTORIZE
-                    for (int32_t j = 0; j < w; ++j)
-                        loosened[j] = p.worn(s, x + j, y, p.ground(s, x + j, y), scale[j], wear.a[j], wear.b[j]);
-                }
+                words.set(p.places, p.random, s, x, y, w);
+                wear.set(p.places, p.random_wear, s, x, y, w);
+                SAHEL_VECTORIZE
+                for (int32_t j = 0; j < w; ++j)
+                    loosened[j] = p.worn(s, x + j, y, p.ground(s, x + j, y), scale[j], wear.a[j], wear.b[j]);
                 SAHEL_VECTORIZE
                 for (int32_t j = 0; j < w; ++j) {
                     DepositPass::Ground g = p.ground(s, x + j, y);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 #include <utility>
+#include <vector>
 
 namespace sahel::test {
 namespace {
@@ -111,6 +112,26 @@ TEST(EchoDunes, AreNowhereWithoutARate) {
     for (int32_t x = 0; x < 128; ++x) EXPECT_EQ(w.real_at(SimLayer::echo, x, 7), 0.0f);
 }
 
+// Random cells are all cliffs, and the nearest one decides: leaves only the highest, so that far ones matter too.
+Pass among_few_cliffs(Pass pass) {
+    return {pass.decl, [run = pass.run](const PassRun& r) {
+                const auto cliff = r.domain.reals(SimLayer::cliff);
+                std::vector<float> kept;
+                for (int32_t s = 0; s < r.domain.slots(); ++s)
+                    for (int32_t y = cliff.first; y < cliff.last; ++y)
+                        for (int32_t x = cliff.first; x < cliff.last; ++x) {
+                            kept.push_back(cliff(s, x, y));
+                            if (kept.back() < 0.95f) cliff(s, x, y) = 0.0f;
+                        }
+                const Status ran = run(r);
+                size_t i = 0;
+                for (int32_t s = 0; s < r.domain.slots(); ++s)
+                    for (int32_t y = cliff.first; y < cliff.last; ++y)
+                        for (int32_t x = cliff.first; x < cliff.last; ++x) cliff(s, x, y) = kept[i++];
+                return ran;
+            }};
+}
+
 TEST(EchoDunes, LookNoFurtherThanTheyDeclare) {
     SandParams p = with_echo();
     p.echo_max_cliff_m = 1.0f; // six cells, for the random cliffs below 1 m
@@ -118,11 +139,11 @@ TEST(EchoDunes, LookNoFurtherThanTheyDeclare) {
     for (const bool curved : {false, true}) {
         p.shadow_curved = curved;
         EXPECT_EQ(find_dishonest(cliff_pass(p, 1.0), k_sand_layers, 5), "");
-        EXPECT_EQ(find_dishonest(echo_pass(p, 1.0), k_sand_layers, 5), "");
+        EXPECT_EQ(find_dishonest(among_few_cliffs(echo_pass(p, 1.0)), k_sand_layers, 5), "");
     }
     EXPECT_EQ(find_dishonest(no_echo_pass(), k_sand_layers, 5), "");
     p.shadow_curved = false;
-    Pass pass = echo_pass(p, 1.0);
+    Pass pass = among_few_cliffs(echo_pass(p, 1.0));
     pass.decl = EchoPass::decl(2, false);
     EXPECT_NE(find_dishonest(pass, k_sand_layers, 5), "");
 }
