@@ -359,4 +359,28 @@ Result<WorldLedger> read_world_ledger(const World& world) {
     return ledger;
 }
 
+Result<std::vector<std::string>> verify_world_ledger(const World& world) {
+    std::vector<std::string> wrong;
+    SAHEL_ASSIGN(const WorldLedger ledger, read_world_ledger(world));
+    if (!ledger.check.closed()) wrong.push_back(ledger.check.text);
+    for (const auto& [key, tile] : ledger.book.tiles()) {
+        auto block = world.read_tile(key);
+        if (!block.ok()) {
+            wrong.push_back(
+                fmt::format("tile {},{} has an account but cannot be read: {}", key.x, key.y, block.error().message));
+            continue;
+        }
+        for (const SimLayer layer : k_ledger_layers) {
+            const FieldView<const int32_t> cells = std::as_const(*block).ints(*info_of(layer).world);
+            int64_t sum = 0;
+            for (int32_t y = 0; y < cells.height(); ++y)
+                for (int32_t x = 0; x < cells.width(); ++x) sum += cells(x, y);
+            if (sum != tile.of(layer).closing)
+                wrong.push_back(fmt::format("tile {},{} holds {} ticks of {}, the ledger says {}", key.x, key.y, sum,
+                                            info_of(layer).name, tile.of(layer).closing));
+        }
+    }
+    return wrong;
+}
+
 } // namespace sahel

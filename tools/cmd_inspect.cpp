@@ -83,6 +83,11 @@ int run_verify(const Options& o) {
     ProgressBar bar("verify");
     auto report = world->verify([&](int64_t done, int64_t total) { bar.update(done, total); });
     if (!report.ok()) return fail(report.error());
+    if (report->issues.empty()) { // what is as it was written must also add up
+        auto wrong = verify_world_ledger(*world);
+        if (!wrong.ok()) return fail(wrong.error());
+        for (const std::string& what : *wrong) report->issues.push_back({"index.sqlite", what, false});
+    }
     nlohmann::ordered_json out;
     out["files_checked"] = report->files_checked;
     out["bytes_checked"] = report->bytes_checked;

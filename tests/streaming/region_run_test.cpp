@@ -79,6 +79,9 @@ void expect_closed(const World& world) {
     const auto report = world.verify();
     ASSERT_TRUE(report.ok());
     for (const VerifyIssue& issue : report->issues) ADD_FAILURE() << issue.path << ": " << issue.what;
+    const auto wrong = verify_world_ledger(world);
+    ASSERT_TRUE(wrong.ok()) << wrong.error().message;
+    for (const std::string& what : *wrong) ADD_FAILURE() << what;
 }
 
 /// What the tiles hold and what waits, of one layer.
@@ -306,6 +309,9 @@ TEST_F(Region, ATileThatSomethingElseChangedIsNotTaken) {
     block.ints(Layer::soil)(3, 3) += 7;
     const TileUpdate update{{0, 0, 0}, &block};
     ASSERT_TRUE(world.commit(2, std::span(&update, 1)).ok());
+    const auto wrong = verify_world_ledger(world);
+    ASSERT_EQ(wrong->size(), 1u);
+    EXPECT_NE(wrong->at(0).find("soil"), std::string::npos) << wrong->at(0);
     const auto run = RegionRun::open(world, options_for({0, 0, 1, 1}));
     ASSERT_FALSE(run.ok());
     EXPECT_NE(run.error().message.find("soil"), std::string::npos) << run.error().message;
