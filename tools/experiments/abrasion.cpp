@@ -32,7 +32,7 @@ Result<Report> run_abrasion(const Setup& setup) {
     };
     desc.ground.bedrock_m = hill;
     desc.ground.sand_m = [](int32_t, int32_t) { return 1.0; };
-    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     const Plane before = run.bedrock();
     const int64_t ticks = run.solid_ticks();
     SAHEL_TRY(run.advance(setup.extent.steps, setup, 0.0, 1.0, "abrasion"));

@@ -36,7 +36,7 @@ Result<Report> run_venturi(const Setup& setup) {
         desc.wind.project = projected == 1;
         desc.ground.bedrock_m = hills;
         desc.ground.sand_m = [](int32_t, int32_t) { return 20.0; };
-        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
         const char* name = projected ? "projected" : "not projected";
         SAHEL_TRY(run.advance(1));
         const Plane wx = run.plane(SimLayer::wind_x);
