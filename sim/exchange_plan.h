@@ -140,7 +140,7 @@ struct EdgeLayers {
             return;
         }
         if (rule == EdgeRule::sealed) {
-            words(f.slot, x, y) = __builtin_bit_cast(uint32_t, k_sealed);
+            words(f.slot, x, y) = k_sealed_bits;
             return;
         }
         if (f.border == Border::frozen) return; // loaded

@@ -53,7 +53,7 @@ inline constexpr int k_sim_layer_count = static_cast<int>(SimLayer::count_);
 /// whose flow depends on both: nothing crosses). Beyond a frozen border "nothing" and "sealed" hold too, and all else
 /// is what was loaded.
 enum class Outside : uint8_t { as_edge, nothing, sealed };
-inline constexpr float k_sealed = -1.0e20f;
+inline constexpr uint32_t k_sealed_bits = 0xE0AD78ECu; ///< of the float -1e20
 
 /// A wall mirrors the world: a component of a vector changes its sign there.
 enum class Mirror : uint8_t { even, odd_x, odd_y };
