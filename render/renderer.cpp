@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -27,6 +28,7 @@ static_assert(sizeof(FrameUniforms) == 2 * 64 + 12 * 16 + 4 * 16 + 16);
 
 constexpr float k_near_m = 0.1f;
 constexpr int k_bloom_levels = 4;
+constexpr int k_grid_orders = 4; ///< of the grid's quads: near ones first, from each corner
 /// Halton (2, 3): where the samples of a pixel lie.
 constexpr std::array<std::array<float, 2>, 8> k_halton = {{{0.5f, 0.333f},
                                                            {0.25f, 0.667f},
@@ -104,16 +106,18 @@ struct Renderer::Impl {
     GLuint tile_normal = 0, tile_material = 0, tile_bake = 0, tile_water = 0, sky = 0, noise = 0;
     GLuint heights = 0, uniforms = 0, instances = 0, grid = 0, grid_indices = 0;
     GLuint terrain_array = 0, empty_array = 0;
-    GLsizei index_count = 0;
-    GLuint terrain_program = 0, water_program = 0, sky_program = 0, bloom_program = 0, tone_program = 0,
-           encode_program = 0;
+    GLsizei index_count = 0; ///< of one order
+    GLuint terrain_program = 0, debug_program = 0, depth_program = 0, water_program = 0, sky_program = 0,
+           bloom_program = 0, tone_program = 0, encode_program = 0;
     // targets: scene and its copy, bloom chain, sum of samples, picture
     GLuint scene = 0, scene_depth = 0, copy = 0, copy_depth = 0, sum = 0, picture = 0;
     GLuint scene_fbo = 0, copy_fbo = 0, sum_fbo = 0, picture_fbo = 0;
     std::array<GLuint, k_bloom_levels> bloom{}, bloom_fbo{};
 
     std::vector<uint8_t> slot_has_water;
-    std::vector<NodeInstance> nodes, water_nodes;
+    std::vector<NodeInstance> nodes; ///< ground, then water; of each the orders one after the other
+    std::array<size_t, k_grid_orders> ground_counts{}, water_counts{};
+    size_t ground_count = 0, water_count = 0;
     size_t instance_capacity = 0;
 
     void make_tiles();
@@ -122,8 +126,9 @@ struct Renderer::Impl {
     void drop_targets();
     void upload_sky();
     FrameUniforms frame_uniforms(const FrameDesc& frame, int sample) const;
-    void draw_nodes(GLuint program, size_t first, size_t count);
-    void draw_sample(const FrameDesc& frame, int sample, size_t node_count, size_t water_count);
+    void choose_nodes(const FrameDesc& frame, std::span<const VisibleTile> tiles);
+    void draw_nodes(GLuint program, size_t first, std::span<const size_t> counts);
+    void draw_sample(const FrameDesc& frame, int sample);
     double lap(double& since) const;
 };
 
@@ -155,42 +160,41 @@ void Renderer::Impl::make_grid() {
     };
     constexpr int n = k_node_quads + 1;
     std::vector<Vertex> vertices;
-    std::vector<uint16_t> indices;
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x) vertices.push_back({static_cast<float>(x), static_cast<float>(y), 0.0f});
-    const auto triangle = [&](int a, int b, int c) {
-        for (const int i : {a, b, c}) indices.push_back(static_cast<uint16_t>(i));
-    };
-    for (int y = 0; y < k_node_quads; ++y)
-        for (int x = 0; x < k_node_quads; ++x) { // diagonals alternate, so the morph folds whole quads
-            const int a = y * n + x, b = a + 1, c = a + n, d = c + 1;
-            if ((x + y) & 1) {
-                triangle(a, c, d);
-                triangle(a, d, b);
-            } else {
-                triangle(a, c, b);
-                triangle(b, c, d);
-            }
-        }
-    // Skirts: each side once more, lowered in the vertex shader; flat (and culled) where the depth is zero.
-    const auto side = [&](int first, int stride) {
-        const int base = static_cast<int>(vertices.size());
+    // Skirts: each side once more, lowered in the vertex shader; flat where the depth is zero.
+    constexpr std::array<std::array<int, 2>, 4> k_sides = {{{0, 1}, {n * (n - 1), 1}, {0, n}, {n - 1, n}}};
+    for (const auto& [first, stride] : k_sides)
         for (int i = 0; i < n; ++i) {
             Vertex v = vertices[static_cast<size_t>(first + i * stride)];
             v.skirt = 1.0f;
             vertices.push_back(v);
         }
-        for (int i = 0; i < k_node_quads; ++i) {
-            const int a = first + i * stride, b = a + stride;
-            triangle(a, b, base + i); // seen from outside the node
-            triangle(b, base + i + 1, base + i);
-        }
+    std::vector<uint16_t> indices;
+    const auto triangle = [&](int a, int b, int c) {
+        for (const int i : {a, b, c}) indices.push_back(static_cast<uint16_t>(i));
     };
-    side(0, 1);
-    side(n * (n - 1) + n - 1, -1);
-    side(n * (n - 1), -n);
-    side(n - 1, n);
-    index_count = static_cast<GLsizei>(indices.size());
+    for (int order = 0; order < k_grid_orders;
+         ++order) { // seen from the north-west, north-east, south-west, south-east
+        for (int j = 0; j < k_node_quads; ++j)
+            for (int i = 0; i < k_node_quads; ++i) {
+                const int x = (order & 1) != 0 ? k_node_quads - 1 - i : i;
+                const int y = (order & 2) != 0 ? k_node_quads - 1 - j : j;
+                // All diagonals run the same way: when the odd corners have slid onto the even ones, what is left is
+                // the coarser grid, diagonals included.
+                const int a = y * n + x, b = a + 1, c = a + n, d = c + 1;
+                triangle(a, c, b);
+                triangle(b, c, d);
+            }
+        for (size_t side = 0; side < k_sides.size(); ++side)
+            for (int i = 0; i < k_node_quads; ++i) {
+                const auto [first, stride] = k_sides[side];
+                const int a = first + i * stride, b = a + stride, low = n * n + static_cast<int>(side) * n + i;
+                triangle(a, b, low);
+                triangle(b, low + 1, low);
+            }
+    }
+    index_count = static_cast<GLsizei>(indices.size()) / k_grid_orders;
     glCreateBuffers(1, &grid);
     glNamedBufferStorage(grid, static_cast<GLsizeiptr>(vertices.size() * sizeof(Vertex)), vertices.data(), 0);
     glCreateBuffers(1, &grid_indices);
@@ -294,16 +298,56 @@ FrameUniforms Renderer::Impl::frame_uniforms(const FrameDesc& frame, int sample)
                     c1 = noise_phase(x, y, 1, 0, 0, 1, 0.000031);
     const glm::vec2 c2 = noise_phase(x, y, 0.8, 0.6, -0.6, 0.8, 0.000093), c3 = noise_phase(y, x, 1, 0, 0, 1, 0.00037);
     u.noise_phase = {glm::vec4(n1, n2), glm::vec4(n3, n4), glm::vec4(nb, c1), glm::vec4(c2, c3)};
-    u.mode = {static_cast<int>(frame.debug), 0, 0, 0};
+    u.mode = {static_cast<int>(frame.debug), 0, frame.samples, 0};
     return u;
 }
 
-void Renderer::Impl::draw_nodes(GLuint program, size_t first, size_t count) {
-    if (count == 0) return;
+/// Nodes of the ground and of the water, from near to far in each of the four quarters around the eye: what is hidden
+/// comes late and is not shaded.
+void Renderer::Impl::choose_nodes(const FrameDesc& frame, std::span<const VisibleTile> tiles) {
+    NodeSettings settings{desc.cell_m, desc.lod_factor, frame.view.eye_m[2] - frame.view.ground_m, false};
+    // Levels meet exactly where each tile is as the eye asks for it; elsewhere skirts close what is left.
+    for (const VisibleTile& t : tiles) settings.skirts |= t.fallback_mask != 0 || t.fade < 1.0f;
+    nodes.clear();
+    select_nodes(tiles, {frame.view.eye_m[0], frame.view.eye_m[1]}, settings, nodes);
+    const auto middle = [](const NodeInstance& n, size_t axis) { // cells from the eye's cell
+        return int64_t{n.node[axis]} + int64_t{n.node[2]} * (k_node_quads / 2);
+    };
+    const auto order = [&](const NodeInstance& n) {
+        return static_cast<size_t>((middle(n, 0) < 0 ? 1 : 0) + (middle(n, 1) < 0 ? 2 : 0));
+    };
+    const auto distance2 = [&](const NodeInstance& n) {
+        return middle(n, 0) * middle(n, 0) + middle(n, 1) * middle(n, 1);
+    };
+    std::stable_sort(nodes.begin(), nodes.end(), [&](const NodeInstance& a, const NodeInstance& b) {
+        return order(a) != order(b) ? order(a) < order(b) : distance2(a) < distance2(b);
+    });
+    ground_count = nodes.size();
+    ground_counts.fill(0);
+    water_counts.fill(0);
+    for (size_t i = 0; i < ground_count; ++i) { // the same nodes on the water lattices
+        ++ground_counts[order(nodes[i])];
+        if (!slot_has_water[static_cast<size_t>(nodes[i].node[3])]) continue;
+        NodeInstance n = nodes[i];
+        n.own[0] += k_lattice_values;
+        if (n.coarse[0] >= 0) n.coarse[0] += k_lattice_values;
+        n.params[2] = 0.0f;
+        ++water_counts[order(n)];
+        nodes.push_back(n);
+    }
+    water_count = nodes.size() - ground_count;
+}
+
+void Renderer::Impl::draw_nodes(GLuint program, size_t first, std::span<const size_t> counts) {
     glUseProgram(program);
     glBindVertexArray(terrain_array);
-    glDrawElementsInstancedBaseInstance(GL_TRIANGLES, index_count, GL_UNSIGNED_SHORT, nullptr,
-                                        static_cast<GLsizei>(count), static_cast<GLuint>(first));
+    for (size_t order = 0; order < counts.size(); ++order) {
+        if (counts[order] == 0) continue;
+        const auto* indices = reinterpret_cast<const void*>(order * static_cast<size_t>(index_count) * 2);
+        glDrawElementsInstancedBaseInstance(GL_TRIANGLES, index_count, GL_UNSIGNED_SHORT, indices,
+                                            static_cast<GLsizei>(counts[order]), static_cast<GLuint>(first));
+        first += counts[order];
+    }
 }
 
 double Renderer::Impl::lap(double& since) const {
@@ -313,7 +357,7 @@ double Renderer::Impl::lap(double& since) const {
     return now - std::exchange(since, now);
 }
 
-void Renderer::Impl::draw_sample(const FrameDesc& frame, int sample, size_t node_count, size_t water_count) {
+void Renderer::Impl::draw_sample(const FrameDesc& frame, int sample) {
     const FrameUniforms u = frame_uniforms(frame, sample);
     glNamedBufferSubData(uniforms, 0, sizeof(u), &u);
     double since = timing ? (glFinish(), now_ms()) : 0.0;
@@ -328,29 +372,33 @@ void Renderer::Impl::draw_sample(const FrameDesc& frame, int sample, size_t node
     glClearDepth(0.0);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     if (frame.wireframe) glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-    glEnable(GL_CULL_FACE);
-    draw_nodes(terrain_program, 0, node_count);
+    // Back faces are drawn: they lie behind front faces. Drivers that cull by unrounded positions lose front faces that
+    // are nearly on edge, and the ground had single pixels missing.
     glDisable(GL_CULL_FACE);
+    draw_nodes(frame.depth_only                 ? depth_program
+               : frame.debug == DebugView::none ? terrain_program
+                                                : debug_program,
+               0, ground_counts);
     glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     stats.terrain_ms += lap(since);
 
-    if (!frame.terrain_only) {
-        glUseProgram(sky_program);
-        glBindVertexArray(empty_array);
-        glDepthFunc(GL_GEQUAL); // the sky lies at depth 0: only where nothing was drawn
-        glDepthMask(GL_FALSE);
-        glDrawArrays(GL_TRIANGLES, 0, 3);
-        glDepthMask(GL_TRUE);
-        glDepthFunc(GL_GREATER);
-        stats.sky_ms += lap(since);
-        if (water_count > 0 && frame.debug == DebugView::none) {
-            glBlitNamedFramebuffer(scene_fbo, copy_fbo, 0, 0, desc.width, desc.height, 0, 0, desc.width, desc.height,
-                                   GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
-            glBindTextureUnit(6, copy);
-            glBindTextureUnit(7, copy_depth);
-            draw_nodes(water_program, node_count, water_count);
-            stats.water_ms += lap(since);
-        }
+    if (frame.depth_only) return;
+
+    glUseProgram(sky_program);
+    glBindVertexArray(empty_array);
+    glDepthFunc(GL_GEQUAL); // the sky lies at depth 0: only where nothing was drawn
+    glDepthMask(GL_FALSE);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDepthMask(GL_TRUE);
+    glDepthFunc(GL_GREATER);
+    stats.sky_ms += lap(since);
+    if (water_count > 0 && frame.debug == DebugView::none) {
+        glBlitNamedFramebuffer(scene_fbo, copy_fbo, 0, 0, desc.width, desc.height, 0, 0, desc.width, desc.height,
+                               GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+        glBindTextureUnit(6, copy);
+        glBindTextureUnit(7, copy_depth);
+        draw_nodes(water_program, ground_count, water_counts);
+        stats.water_ms += lap(since);
     }
 
     glDisable(GL_DEPTH_TEST);
@@ -404,6 +452,8 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererDesc& desc) {
     impl->make_targets();
     impl->upload_sky();
     impl->terrain_program = link_program("terrain.vert", "terrain.frag", "tile.glsl");
+    impl->debug_program = link_program("terrain.vert", "debug.frag", "tile.glsl");
+    impl->depth_program = link_program("terrain.vert", "depth.frag");
     impl->water_program = link_program("terrain.vert", "water.frag", "tile.glsl");
     impl->sky_program = link_program("screen.vert", "sky.frag");
     impl->bloom_program = link_program("screen.vert", "bloom.frag");
@@ -419,8 +469,8 @@ Renderer::~Renderer() {
         glDeleteTextures(1, &t);
     for (const GLuint b : {r.heights, r.uniforms, r.instances, r.grid, r.grid_indices}) glDeleteBuffers(1, &b);
     for (const GLuint a : {r.terrain_array, r.empty_array}) glDeleteVertexArrays(1, &a);
-    for (const GLuint p :
-         {r.terrain_program, r.water_program, r.sky_program, r.bloom_program, r.tone_program, r.encode_program})
+    for (const GLuint p : {r.terrain_program, r.debug_program, r.depth_program, r.water_program, r.sky_program,
+                           r.bloom_program, r.tone_program, r.encode_program})
         glDeleteProgram(p);
 }
 
@@ -486,22 +536,9 @@ void Renderer::render(const FrameDesc& frame, std::span<const VisibleTile> tiles
     SAHEL_CHECK_LT(0, frame.samples);
     r.stats = {};
     r.stats.tiles = static_cast<int>(tiles.size());
-    NodeSettings settings{r.desc.cell_m, r.desc.lod_factor, frame.view.eye_m[2] - frame.view.ground_m, false};
-    for (const VisibleTile& t : tiles) settings.skirts |= t.fallback_mask != 0;
-    r.nodes.clear();
-    select_nodes(tiles, {frame.view.eye_m[0], frame.view.eye_m[1]}, settings, r.nodes);
-    const size_t node_count = r.nodes.size();
-    for (size_t i = 0; i < node_count; ++i) { // the same nodes on the water lattices
-        if (!r.slot_has_water[static_cast<size_t>(r.nodes[i].node[3])]) continue;
-        NodeInstance n = r.nodes[i];
-        n.own[0] += k_lattice_values;
-        if (n.coarse[0] >= 0) n.coarse[0] += k_lattice_values;
-        n.params[2] = 0.0f;
-        r.nodes.push_back(n);
-    }
-    const size_t water_count = r.nodes.size() - node_count;
-    r.stats.nodes = static_cast<int>(node_count);
-    r.stats.triangles = static_cast<int>(node_count) * k_node_quads * k_node_quads * 2;
+    r.choose_nodes(frame, tiles);
+    r.stats.nodes = static_cast<int>(r.ground_count);
+    r.stats.triangles = static_cast<int>(r.ground_count) * k_node_quads * k_node_quads * 2;
     if (r.nodes.size() > r.instance_capacity) {
         r.instance_capacity = r.nodes.size() * 2;
         if (r.instances) glDeleteBuffers(1, &r.instances);
@@ -520,7 +557,8 @@ void Renderer::render(const FrameDesc& frame, std::span<const VisibleTile> tiles
     GLuint unit = 0;
     for (const GLuint t : {r.tile_normal, r.tile_material, r.tile_bake, r.tile_water, r.sky, r.noise})
         glBindTextureUnit(unit++, t);
-    for (int s = 0; s < frame.samples; ++s) r.draw_sample(frame, s, node_count, water_count);
+    for (int s = 0; s < frame.samples; ++s) r.draw_sample(frame, s);
+    if (frame.depth_only) return;
 
     glBindFramebuffer(GL_FRAMEBUFFER, r.picture_fbo);
     glViewport(0, 0, r.desc.width, r.desc.height);

@@ -52,8 +52,8 @@ struct FrameDesc {
     SurfaceLook look;
     DebugView debug = DebugView::none;
     bool wireframe = false;
-    bool terrain_only = false; ///< no sky, no water, for the hole test
-    int samples = 1;           ///< jittered pictures that are averaged
+    bool depth_only = false; ///< only the depth of the ground (read_depth); the picture stays as it was
+    int samples = 1;         ///< jittered pictures that are averaged
 };
 
 struct RenderStats {

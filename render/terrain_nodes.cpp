@@ -26,6 +26,14 @@ struct Builder {
         return std::sqrt(dx * dx + dy * dy + dz * dz);
     }
 
+    /// A new tile eases in from its parent's shape. At level 0 it does so lattice by lattice, each from the one before.
+    static float ease(const VisibleTile& tile) { return tile.fade * (tile.key.level == 0 ? 3.0f : 1.0f); }
+    static int finest_lattice(const VisibleTile& tile) { return std::max(0, 2 - static_cast<int>(ease(tile))); }
+    static float forced_morph(const VisibleTile& tile, int lattice) {
+        if (tile.fade >= 1.0f || lattice > finest_lattice(tile)) return 0.0f;
+        return 1.0f - (ease(tile) - std::floor(ease(tile)));
+    }
+
     void add(const VisibleTile& tile, int lattice, int corner_x, int corner_y) {
         const int level = tile.key.level;
         const int64_t tile_x = tile.key.x * k_view_cells << level, tile_y = tile.key.y * k_view_cells << level;
@@ -50,7 +58,7 @@ struct Builder {
             n.coarse = {-1, 0, 0, 0};
         }
         n.params = {static_cast<float>(side_m * (f + k_sqrt2)), static_cast<float>(2.0 * f * side_m),
-                    settings.skirts ? static_cast<float>(side_m * 0.04) : 0.0f, lattice == 2 ? 1.0f - tile.fade : 0.0f};
+                    settings.skirts ? static_cast<float>(side_m * 0.04) : 0.0f, forced_morph(tile, lattice)};
         n.place = {static_cast<float>(corner_x * spacing), static_cast<float>(corner_y * spacing),
                    static_cast<float>(spacing), static_cast<float>(level)};
         nodes.push_back(n);
@@ -62,7 +70,7 @@ struct Builder {
         const int spacing = k_lattice_spacing[static_cast<size_t>(lattice)];
         const double d = distance_m(tile.key.x * k_view_cells + corner_x * spacing,
                                     tile.key.y * k_view_cells + corner_y * spacing, side);
-        if (lattice == 0 ||
+        if (lattice == 0 || lattice <= finest_lattice(tile) ||
             d >= static_cast<double>(settings.lod_factor) * static_cast<double>(side) * settings.cell_m) {
             add(tile, lattice, corner_x, corner_y);
             return;

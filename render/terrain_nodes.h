@@ -13,6 +13,11 @@
 ///
 /// Node of side s: morphs from A = s (F + sqrt 2) to B = 2 F s. A border between sides s and 2s lies at least 2 F s and
 /// at most 2 F s + 2 sqrt 2 s from the eye: there the fine side is all coarse and the coarse side has not begun.
+///
+///       eye            A(s)    B(s) = 2 F s        A(2s)      B(2s)
+///        |-- side s ----|~ morph ~|                  |~ morph ~|
+///        |                 |------- side 2s ---------------|       split and morph use one metric: the level distance
+///                        2 F s                                     to a point, and the eye's height over smooth ground
 namespace sahel {
 
 inline constexpr int k_node_quads = 32;

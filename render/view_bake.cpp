@@ -96,6 +96,23 @@ void bake_sun(const HeightChain& chain, double cell_m, const SunDirection& sun, 
             visibility[static_cast<size_t>(j * k_half + i)] = smooth(v);
         }
     blur(visibility, k_half);
+
+    // On a wall a few texels span its whole height: an edge of shade would be a row of teeth. There it is drawn softer.
+    std::vector<float> soft = visibility;
+    for (int i = 0; i < 3; ++i) blur(soft, k_half);
+    for (int j = 0; j < k_half; ++j)
+        for (int i = 0; i < k_half; ++i) {
+            const auto at = static_cast<size_t>(j * k_half + i);
+            if (soft[at] == visibility[at]) continue; // no edge here
+            const float x = static_cast<float>(2 * i - k_view_border + 1),
+                        y = static_cast<float>(2 * j - k_view_border + 1);
+            float west = 0.0f, east = 0.0f, north = 0.0f, south = 0.0f;
+            if (!chain.sample(x - 2.0f, y, 0, west) || !chain.sample(x + 2.0f, y, 0, east) ||
+                !chain.sample(x, y - 2.0f, 0, north) || !chain.sample(x, y + 2.0f, 0, south))
+                continue;
+            const float slope = std::hypot(east - west, south - north) / (4.0f * cell);
+            visibility[at] += (soft[at] - visibility[at]) * smooth((slope - 0.7f) / 0.8f);
+        }
 }
 
 void bake_sky(const HeightChain& chain, double cell_m, std::vector<float>& visibility) {

@@ -263,13 +263,18 @@ Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, T
     tile->normal[0].resize(texels);
     tile->material[0].resize(texels);
     tile->water[0].resize(texels);
-    const float inverse = 0.5f / cell;
+    // Differences over two cells, smoothed across (Sobel): a crest that runs askew to the cells does not become a saw.
+    const float inverse = 0.125f / cell;
     for (int j = 0; j < k_view_texels; ++j)
         for (int i = 0; i < k_view_texels; ++i) {
             const int x = i - k_view_border, y = j - k_view_border;
             const auto at = static_cast<size_t>(j * k_view_texels + i);
-            const float gx = (c.ground[c.index(x + 1, y)] - c.ground[c.index(x - 1, y)]) * inverse;
-            const float gy = (c.ground[c.index(x, y + 1)] - c.ground[c.index(x, y - 1)]) * inverse;
+            const float* p = &c.ground[c.index(x, y)];
+            const float gx =
+                ((p[1 - k_side] - p[-1 - k_side]) + (p[1 + k_side] - p[-1 + k_side]) + 2.0f * (p[1] - p[-1])) * inverse;
+            const float gy = ((p[k_side - 1] - p[-k_side - 1]) + (p[k_side + 1] - p[-k_side + 1]) +
+                              2.0f * (p[k_side] - p[-k_side])) *
+                             inverse;
             const float up = 1.0f / std::sqrt(gx * gx + gy * gy + 1.0f);
             tile->normal[0][at] = {snorm16(-gx * up), snorm16(-gy * up)};
 

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 
 namespace sahel::tools {
@@ -123,8 +124,11 @@ Status run_demo(const Options& o) {
             const fs::path path = out / (s.name + ".png");
             SAHEL_TRY(write_png(path, image, {{"Title", s.name}}, k_png_level_small));
             fmt::print("Still: {}\n", path.string());
-            report["stills"].push_back(
-                {{"name", s.name}, {"file", path.string()}, {"eye_m", s.pose.eye_m}, {"yaw_deg", s.pose.yaw_deg}});
+            report["stills"].push_back({{"name", s.name},
+                                        {"file", path.string()},
+                                        {"score", s.score},
+                                        {"eye_m", s.pose.eye_m},
+                                        {"yaw_deg", s.pose.yaw_deg}});
             stills.emplace_back(std::move(image), s.name);
         }
     }
@@ -134,7 +138,7 @@ Status run_demo(const Options& o) {
         RecordOptions options;
         options.frames_per_s = o.fps;
         options.samples = o.samples;
-        options.max_s = o.budget_s;
+        options.max_s = std::max(20.0, o.budget_s - (now_s() - stills_begin));
         ProgressBar bar("flight");
         SAHEL_ASSIGN(const RecordReport done, record(*session, world, tour.flight, out / "flythrough.mp4", options,
                                                      [&](int i, int n) { bar.update(i, n); }));
@@ -188,7 +192,8 @@ void add_demo_command(CommandLine& line) {
     app.add_option("--still-samples", o->still_samples, "and into a still")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
-    app.add_option("--budget", o->budget_s, "Seconds for rendering the video: fewer samples where it would take longer")
+    app.add_option("--budget", o->budget_s,
+                   "Seconds for the stills and the video: fewer samples where the video would take longer")
         ->capture_default_str();
     app.add_option("--width", o->width, "Pixels")->check(CLI::Range(64, 8192))->capture_default_str();
     app.add_option("--height", o->height, "Pixels")->check(CLI::Range(64, 8192))->capture_default_str();

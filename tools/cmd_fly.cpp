@@ -136,7 +136,7 @@ int run(const Options& o) {
         start.yaw_deg = o.look[0];
         start.pitch_deg = o.look[1];
     }
-    if (!o.headless) return fly_in_window(*world, desc, start);
+    if (!o.headless) return fly_in_window(*world, desc, start, o.frames);
     return fly_headless(o, *world, desc, ground, start, *debug);
 }
 
@@ -149,7 +149,8 @@ void add_fly_command(CommandLine& line) {
     app.add_option("WORLD", o->world, "World folder")->required();
     app.add_flag("--headless", o->headless, "No window: record to --out");
     app.add_option("--out", o->out, "FILE.mp4, FILE.png for one picture, or a folder for pictures");
-    app.add_option("--frames", o->frames, "Frames to record; 0: as long as the path")
+    app.add_option("--frames", o->frames,
+                   "Frames to record, or after which the window closes; 0: as long as the path, or the user, says")
         ->check(CLI::Range(0, 1000000))
         ->capture_default_str();
     app.add_option("--seconds", o->seconds, "Length of a built-in path")

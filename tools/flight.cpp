@@ -130,16 +130,19 @@ Result<RecordReport> record(ViewSession& session, const World& world, const Came
                            : std::max(1, static_cast<int>(std::lround(path.duration_s() * options.frames_per_s)));
     Image image(r.width(), r.height(), 4);
     const double begin = now_s();
-    double steady_begin = begin;
-    constexpr int k_probe_frames = 4; // the first frame also waits for the tiles
+    double since = begin; // the first frame also waits for the tiles: it tells nothing
+    int frames_since = 0;
     for (int i = 0; i < frames; ++i) {
         const double frame_begin = now_s();
-        if (i == 1) steady_begin = frame_begin;
-        if (i == k_probe_frames && options.max_s > 0.0) {
-            // What was seen decides once how many samples the rest can afford.
-            const double per_sample = (frame_begin - steady_begin) / (k_probe_frames - 1) / report.samples;
+        if (i == 1) since = frame_begin;
+        frames_since = i < 1 ? 0 : frames_since + 1;
+        if (options.max_s > 0.0 && report.samples > 1 && (i == 5 || (i > 5 && frames_since > options.frames_per_s))) {
+            // What was seen last decides how many samples the rest can afford.
+            const double per_sample = (frame_begin - since) / (frames_since - 1) / report.samples;
             const double left = options.max_s - (frame_begin - begin);
-            report.samples = std::clamp(static_cast<int>(left / (per_sample * (frames - i))), 1, options.samples);
+            report.samples = std::clamp(static_cast<int>(left / (per_sample * (frames - i))), 1, report.samples);
+            since = frame_begin;
+            frames_since = 1;
         }
         const double t = path.start_s() + (frames > 1 ? static_cast<double>(i) / options.frames_per_s : 0.0);
         FrameDesc frame = frame_of(world, path.pose_at(t), path.velocity_at(t), t, r.width(), r.height());

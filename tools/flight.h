@@ -31,12 +31,12 @@ struct RecordOptions {
     int frames_per_s = 24;
     int samples = 1;
     bool realtime = false; ///< show streaming as it is: no frame waits
-    double max_s = 0.0;    ///< fewer samples when the first frames show that it would take longer; 0: no limit
+    double max_s = 0.0;    ///< fewer samples from then on when frames show that it would take longer; 0: no limit
 };
 
 struct RecordReport {
     int frames = 0;
-    int samples = 1;
+    int samples = 1; ///< of the last frame; no frame has fewer
     double seconds = 0.0;
     double worst_frame_ms = 0.0;
     int fallback_frames = 0; ///< frames in which a parent stood in for a child (realtime only)
@@ -52,7 +52,7 @@ Result<RecordReport> record(ViewSession& session, const World& world, const Came
 Result<Image> still(ViewSession& session, const World& world, const CameraPose& pose, double time_s, int samples,
                     DebugView debug = DebugView::none);
 
-/// The interactive viewer; returns the exit code.
-int fly_in_window(const World& world, const ViewSessionDesc& desc, const CameraPose& start);
+/// The interactive viewer; returns the exit code. `frames`: closes after so many, 0: when the user says so.
+int fly_in_window(const World& world, const ViewSessionDesc& desc, const CameraPose& start, int frames);
 
 } // namespace sahel::tools

@@ -29,9 +29,9 @@ class Viewer {
         say("F1 shows the keys");
     }
 
-    void run() {
+    void run(int frames) {
         double last = window_.now_s();
-        while (!window_.should_close()) {
+        for (int drawn = 0; !window_.should_close() && (frames == 0 || drawn < frames); ++drawn) {
             const double now = window_.now_s();
             const double dt = std::clamp(now - last, 0.0, 0.25);
             frame_ms_ = (now - last) * 1e3;
@@ -253,14 +253,14 @@ void Viewer::draw(double dt) {
 
 } // namespace
 
-int fly_in_window(const World& world, const ViewSessionDesc& desc, const CameraPose& start) {
+int fly_in_window(const World& world, const ViewSessionDesc& desc, const CameraPose& start, int frames) {
     auto window = Window::create(desc.width, desc.height, "Sahel: " + world.desc().name);
     if (!window.ok()) return fail(window.error());
     auto session = ViewSession::create(world.surface(), desc);
     if (!session.ok()) return fail(session.error());
     const auto hud = Hud::create((*window)->glfw());
     Viewer viewer(world, **window, **session, *hud, start);
-    viewer.run();
+    viewer.run(frames);
     return 0;
 }
 

@@ -20,7 +20,9 @@ namespace sahel::tools {
 namespace {
 
 constexpr double k_rad = std::numbers::pi / 180.0;
-constexpr std::array k_kinds = {ViewKind::dunes, ViewKind::shore, ViewKind::mountains, ViewKind::high};
+constexpr std::array k_kinds = {ViewKind::dunes, ViewKind::shore, ViewKind::mountains, ViewKind::high,
+                                ViewKind::canyon};
+constexpr size_t k_stills = 4;
 constexpr int k_proposals = 3; ///< views of a kind from which flights may start
 
 Atmosphere golden_hour(double sun_azimuth_deg, double sun_elevation_deg) {
@@ -30,16 +32,20 @@ Atmosphere golden_hour(double sun_azimuth_deg, double sun_elevation_deg) {
     return a;
 }
 
-/// The best view of each kind, then what is left, best first: four where the landscape has four.
+/// The best view of each kind that is good, then the best of what is left: four where the landscape has four. A
+/// landscape without mountains shows more of its dunes.
 std::vector<FoundView> choose_stills(const std::vector<FoundView>& found) {
+    constexpr double k_good = 0.62;
     std::vector<FoundView> chosen, rest;
     for (const FoundView& view : found) {
-        const bool first = std::none_of(chosen.begin(), chosen.end(), [&](const auto& c) { return c.kind == view.kind; });
-        (first ? chosen : rest).push_back(view);
+        const bool first =
+            std::none_of(chosen.begin(), chosen.end(), [&](const auto& c) { return c.kind == view.kind; });
+        (first && view.score >= k_good ? chosen : rest).push_back(view);
     }
+    if (chosen.size() > k_stills) chosen.resize(k_stills);
     std::stable_sort(rest.begin(), rest.end(), [](const auto& a, const auto& b) { return a.score > b.score; });
     for (const FoundView& view : rest)
-        if (chosen.size() < k_kinds.size()) chosen.push_back(view);
+        if (chosen.size() < k_stills) chosen.push_back(view);
     return chosen;
 }
 
@@ -55,7 +61,8 @@ Result<CameraPath> flight_from(const FoundView& view, double bend, double second
     const double c = std::cos(view.pose.yaw_deg * k_rad), s = std::sin(view.pose.yaw_deg * k_rad);
     for (const double along : {-160.0, 40.0, 240.0, 460.0, 700.0, 960.0}) {
         const double aside = bend * 90.0 * std::sin((along + 160.0) / 1120.0 * std::numbers::pi);
-        o.waypoints_m.push_back({view.pose.eye_m[0] + along * c - aside * s, view.pose.eye_m[1] + along * s + aside * c});
+        o.waypoints_m.push_back(
+            {view.pose.eye_m[0] + along * c - aside * s, view.pose.eye_m[1] + along * s + aside * c});
     }
     o.height_m = view.kind == ViewKind::high ? 48.0 : 26.0;
     o.look_down_deg = 4.0;
@@ -72,7 +79,8 @@ double flight_score(ViewTerrain& terrain, const CameraPath& path, double sun_azi
         const Panorama panorama = cast_panorama(terrain, pose.eye_m);
         const ViewMeasures m = measure_view(panorama, pose, sun_azimuth_deg, sun_elevation_deg);
         double best = 0.0;
-        for (const ViewKind kind : {ViewKind::dunes, ViewKind::lake, ViewKind::shore, ViewKind::mountains, ViewKind::high})
+        for (const ViewKind kind :
+             {ViewKind::dunes, ViewKind::lake, ViewKind::shore, ViewKind::mountains, ViewKind::high})
             best = std::max(best, score_view(kind, m) + (kind == ViewKind::high ? -0.1 : 0.0));
         const double sunlit = sunlit_share(terrain, panorama, pose, sun_azimuth_deg, sun_elevation_deg);
         best *= std::clamp((sunlit - 0.15) / 0.40, 0.0, 1.0);
@@ -115,7 +123,8 @@ Result<Tour> plan_tour(const World& world, double seconds) {
         const auto same = std::count_if(tour.stills.begin(), tour.stills.end(),
                                         [&](const TourStill& s) { return s.name.starts_with(name); });
         if (same > 0) name += std::to_string(same + 1);
-        tour.stills.push_back({name, view.pose, golden_hour(view.sun_azimuth_deg, options.sun_elevation_deg)});
+        tour.stills.push_back(
+            {name, view.pose, golden_hour(view.sun_azimuth_deg, options.sun_elevation_deg), view.score});
     }
     if (found.empty()) {
         GroundSampler ground(world.surface(), 1);

@@ -14,6 +14,7 @@ struct TourStill {
     std::string name;
     CameraPose pose;
     Atmosphere atmosphere;
+    double score = 0.0; ///< FoundView::score
 };
 
 struct Tour {

@@ -15,10 +15,11 @@ layout(std140, binding = 0) uniform Frame {
     vec4 look;         // x: sand hue, y: cloud cover, z: silt, w: strata
     vec4 rock;         // x, y: grey from / to, z: snow from, m; w: ripple phase of the eye (turns, 2.3 m)
     vec4 noise_phase[4]; // where the eye is in the noise texture, per size: n1 n2 | n3 n4 | blurred, clouds | clouds 2, 3
-    ivec4 mode;        // x: debug view, y: tile under the mouse
+    ivec4 mode;        // x: debug view, z: samples of the picture
 };
 
 const float k_pi = 3.14159265;
+const int k_slot_values = 2 * (257 * 257 + 129 * 129 + 65 * 65); // heights of a tile, see terrain_nodes.h
 layout(binding = 4) uniform sampler2D sky_table;
 layout(binding = 5) uniform sampler2D noise_map;
 
@@ -49,4 +50,9 @@ vec3 ambient(vec3 n) {
 
 float gradient_noise_1(vec2 pixel) { // interleaved gradient noise (Jimenez)
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+
+// Index of the sample within its picture.
+float sample_index() {
+    return lod.w;
 }

@@ -3,71 +3,54 @@ in vec3 rel;
 in vec2 tile_cell;
 in float morph;
 flat in int layer;
+flat in ivec3 parent;
 flat in float level;
 in vec3 air_kept;
 in vec3 air_added;
 layout(location = 0) out vec4 colour;
 
-vec3 debug_colour(int view, vec3 n, vec4 material, vec4 bake, vec4 water, float slope) {
-    if (view == 1) return n.xzy * 0.5 + 0.5;
-    if (view == 2) return vec3(slope);
-    if (view == 3) return vec3(material.r);
-    if (view == 4) return vec3(material.g);
-    if (view == 5) return vec3(material.b);
-    if (view == 6) return vec3(material.a);
-    if (view == 7) return vec3(bake.r);
-    if (view == 8) return vec3(bake.g);
-    if (view == 9) return 0.5 + 0.5 * cos(6.2831853 * (level * 0.137 + vec3(0.0, 0.33, 0.67)));
-    if (view == 10) return vec3(morph, 1.0 - morph, 0.2);
-    if (view == 11) return water.x > 0.0 ? vec3(0.1, 0.3, 0.3 + 6.0 * water.x) : vec3(0.3 + 3.0 * water.x, 0.25, 0.2);
-    if (view == 12) return vec3(water.y);
-    return 0.5 + 0.5 * cos(6.2831853 * (float(layer) * 0.381966 + vec3(0.0, 0.33, 0.67)));
-}
-
-vec4 noise_at(vec2 phase, mat2 turn, vec2 p, float scale) {
-    return texture(noise_map, phase + turn * p * scale);
+// The noise texture at `uv`, where `scale` of its sides are a metre.
+vec4 noise_at(vec2 uv, float scale, float log_m) {
+    return textureLod(noise_map, uv, log_m + log2(scale * 512.0));
 }
 
 void main() {
     float d = length(rel);
     vec3 view = -rel / d;
-    vec3 uv = tile_uv(tile_cell, layer);
-    vec2 stored = texture(tile_normal, uv).rg;
+    Footprint foot = ground_footprint(rel.xz, tile_cell, d * screen.w);
+    TilePlace place = tile_place(foot, layer, level, parent, morph);
+    vec2 stored = textureLod(tile_normal, place.uv, place.lod).rg;
     vec3 ground_n = vec3(stored.x, 0.0, stored.y);
     ground_n.y = sqrt(max(0.02, 1.0 - dot(ground_n.xz, ground_n.xz)));
     ground_n = normalize(ground_n);
-    vec4 material = texture(tile_material, uv);
-    vec4 bake = texture(tile_bake, uv);
-    vec4 water = texture(tile_water, uv);
+    vec4 material = textureLod(tile_material, place.uv, place.lod);
+    vec4 bake = textureLod(tile_bake, place.uv, place.lod - 1.0);
+    vec4 water = textureLod(tile_water, place.uv, place.lod);
     float height = rel.y + eye.y + dot(rel.xz, rel.xz) / (2.0 * 6371000.0);
     float slope = 1.0 - ground_n.y;
-    if (mode.x > 0) {
-        colour = vec4(debug_colour(mode.x, ground_n, material, bake, water, slope), 1.0);
-        return;
-    }
     float shore = material.a * 80.0 - 20.0;
     bool shore_near = material.a < 0.99;
 
     // Noise at four sizes, each turned by another angle.
-    vec2 p = rel.xz;
-    vec4 n4 = noise_at(noise_phase[1].zw, mat2(0.8, 0.6, -0.6, 0.8), p, 0.00071);
-    vec4 n3 = noise_at(noise_phase[1].xy, mat2(0.6, 0.8, -0.8, 0.6), p, 0.0061);
-    vec4 n2 = noise_at(noise_phase[0].zw, mat2(0.96, 0.28, -0.28, 0.96), p, 0.047);
-    vec4 n1 = vec4(0.5);
-    float fine = 1.0 - smoothstep(60.0, 160.0, d);
-    if (fine > 0.0) n1 = mix(vec4(0.5), noise_at(noise_phase[0].xy, mat2(1.0), p, 0.43), fine);
+    vec2 p = foot.p;
+    float w = foot.log_m;
+    vec4 n4 = noise_at(noise_phase[1].zw + mat2(0.8, 0.6, -0.6, 0.8) * p * 0.00071, 0.00071, w);
+    vec4 n3 = noise_at(noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061, 0.0061, w);
+    vec4 n2 = noise_at(noise_phase[0].zw + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.047, 0.047, w);
+    float fine = 1.0 - smoothstep(150.0, 450.0, d);
+    vec4 n1 = noise_at(noise_phase[0].xy + p * 0.43, 0.43, w);
     // On walls the map would smear: sample by height and each horizontal axis instead.
     float wall = smoothstep(0.16, 0.36, slope);
     if (wall > 0.0) {
-        vec2 w = abs(ground_n.xz);
-        w /= w.x + w.y + 1e-4;
-        vec2 a = noise_phase[0].zw + vec2(p.y * 0.047, height * 0.055), b = noise_phase[0].zw + vec2(p.x * 0.047, height * 0.055);
-        n2 = mix(n2, texture(noise_map, a) * w.x + texture(noise_map, b) * w.y, wall);
-        if (fine > 0.0) {
-            vec2 a1 = noise_phase[0].xy + vec2(p.y * 0.30, height * 0.43), b1 = noise_phase[0].xy + vec2(p.x * 0.30, height * 0.43);
-            n1 = mix(n1, mix(vec4(0.5), texture(noise_map, a1) * w.x + texture(noise_map, b1) * w.y, fine), wall);
-        }
+        vec2 axes = abs(ground_n.xz);
+        axes /= axes.x + axes.y + 1e-4;
+        float lw = log2(d * screen.w) + 0.5;
+        n2 = mix(n2, noise_at(noise_phase[0].zw + vec2(p.y * 0.047, height * 0.055), 0.05, lw) * axes.x +
+                     noise_at(noise_phase[0].zw + vec2(p.x * 0.047, height * 0.055), 0.05, lw) * axes.y, wall);
+        n1 = mix(n1, noise_at(noise_phase[0].xy + vec2(p.y * 0.30, height * 0.43), 0.4, lw) * axes.x +
+                     noise_at(noise_phase[0].xy + vec2(p.x * 0.30, height * 0.43), 0.4, lw) * axes.y, wall);
     }
+    n1 = mix(vec4(0.5), n1, fine);
     float v4 = n4.b - 0.5, v3 = n3.b - 0.5, v2 = n2.b - 0.5, v1 = n1.b - 0.5;
     vec2 g_mid = (n2.rg - 0.5) * 0.9 * (1.0 - smoothstep(500.0, 1500.0, d)) + (n3.rg - 0.5) * 0.6;
     vec2 g_fine = (n1.rg - 0.5) * fine;
@@ -113,7 +96,7 @@ void main() {
     // Pebbles and grit where nothing else covers the ground.
     float grit = fine * (1.0 - sand) * (1.0 - humus) * (1.0 - snow);
     if (grit > 0.01) {
-        float stones = smoothstep(0.60, 0.72, texture(noise_map, noise_phase[0].xy * 3.0 + p * 1.29).a);
+        float stones = smoothstep(0.60, 0.72, noise_at(noise_phase[0].xy * 3.0 + p * 1.29, 1.29, w).a);
         float gravel = smoothstep(0.02, 0.16, v2 + 0.5 * v3);
         albedo *= 1.0 + grit * (0.10 * gravel - (0.20 + 0.22 * gravel) * stones);
         g_fine *= 1.0 + (1.2 + gravel) * grit * stones;
@@ -129,17 +112,17 @@ void main() {
     float footprint = d * screen.w / sqrt(max(0.04, dot(view, ground_n)));
     float flat_sand = sand * (1.0 - bare) * (1.0 - 0.7 * humus) * (shore_near ? smoothstep(0.5, 3.0, shore) : 1.0);
     if (flat_sand > 0.01) {
-        vec4 blurred = texture(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 3.5);
-        vec2 q = p + vec2(v3 * 5.0 + (blurred.b - 0.5) * 3.0, (blurred.a - 0.5) * 3.0);
+        // The pattern is bent by a blurred noise: with a sharp one ripples close into rings like the grain of wood.
+        vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
+        vec2 q = p + vec2(v3 * 1.6 + (blurred.b - 0.5) * 3.6, (blurred.a - 0.5) * 3.6);
         float u = dot(q, wind.xy);
-        float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.30, 0.10, slope);
-        float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.30, 0.14, slope);
-        float f1 = 2.0 * k_pi * (u / 0.34 + wind.w) + 0.9 * v1;
-        float f2 = 2.0 * k_pi * (u / 2.3 + rock.w) + 1.5 * v2;
-        float r1 = a1 > 0.0 ? cos(f1 + 0.55 * sin(f1)) : 0.0;
-        float r2 = a2 > 0.0 ? cos(f2 + 0.5 * sin(f2)) : 0.0;
-        n.xz -= wind.xy * (0.20 * a1 * r1 * (0.45 + 1.5 * n2.a) + 0.06 * a2 * r2);
-        albedo *= 1.0 - 0.07 * a1 * (0.5 + 0.5 * sin(f1));
+        float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.26, 0.06, slope);
+        float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.30, 0.10, slope);
+        float f1 = 2.0 * k_pi * (u / 0.34 + wind.w) + 0.4 * v1;
+        float f2 = 2.0 * k_pi * (u / 2.3 + rock.w) + 0.9 * v2;
+        float r1 = cos(f1 + 0.55 * sin(f1)), r2 = cos(f2 + 0.5 * sin(f2));
+        n.xz -= wind.xy * (a1 * r1 * (0.07 + 0.20 * n2.a) + 0.06 * a2 * r2);
+        albedo *= 1.0 - 0.06 * a1 * (0.5 + 0.5 * sin(f1));
     }
     n = normalize(n);
 

@@ -13,6 +13,7 @@ out vec3 rel;
 out vec2 tile_cell;
 out float morph;
 flat out int layer;
+flat out ivec3 parent; // of the tile where the coarser node is the parent's: its layer, the tile's quarter; else -1
 flat out float level;
 out vec3 air_kept;
 out vec3 air_added;
@@ -43,6 +44,7 @@ void main() {
     tile_cell = place.xy + cell * place.z;
     morph = m;
     layer = node.w;
+    parent = coarse.x >= 0 && place.z == 8.0 ? ivec3(coarse.x / k_slot_values, coarse.zw / 32) : ivec3(-1);
     level = place.w;
     aerial(rel, air_kept, air_added);
     gl_Position = view_projection * vec4(rel, 1.0);

@@ -4,6 +4,7 @@ in vec3 rel;
 in vec2 tile_cell;
 in float morph;
 flat in int layer;
+flat in ivec3 parent;
 flat in float level;
 in vec3 air_kept;
 in vec3 air_added;
@@ -72,30 +73,41 @@ void main() {
     pixels *= cut;
     int steps = int(clamp(pixels / 3.0, 8.0, 64.0));
     float jitter = fract(gradient_noise_1(gl_FragCoord.xy) + lod.w * 0.618034); // averaged over the samples of a picture
-    float before = 0.0;
+    // What is found is refined after the loop: a software driver runs both sides of every branch inside it.
+    float before = 0.0, at = 2.0;
     for (int i = 0; i < steps; ++i) {
         float t = (float(i) + 0.4 + 0.6 * jitter) / float(steps);
         vec3 s = mix(s0, s1, t);
         float z = texture(ground_depth, s.xy).r;
         if (z > s.z * 1.0015 && 0.1 / s.z - 0.1 / z < 2.0 + 0.025 / s.z) {
-            float low = before, high = t;
-            for (int k = 0; k < 4; ++k) {
-                float mid = 0.5 * (low + high);
-                vec3 m = mix(s0, s1, mid);
-                if (texture(ground_depth, m.xy).r > m.z * 1.0015) high = mid; else low = mid;
-            }
-            vec2 hit = mix(s0.xy, s1.xy, high);
-            vec2 edge = smoothstep(vec2(0.5), vec2(0.42), abs(hit - 0.5));
-            mirrored = mix(mirrored, texture(ground_colour, hit).rgb, edge.x * edge.y);
+            at = t;
             break;
         }
         before = t;
     }
+    float hit_at = min(at, 1.0);
+    for (int k = 0; k < 4; ++k) {
+        float mid = 0.5 * (before + hit_at);
+        vec3 m = mix(s0, s1, mid);
+        if (texture(ground_depth, m.xy).r > m.z * 1.0015) hit_at = mid; else before = mid;
+    }
+    vec2 hit = mix(s0.xy, s1.xy, hit_at);
+    vec2 edge = smoothstep(vec2(0.5), vec2(0.42), abs(hit - 0.5));
+    float found = at <= 1.0 ? edge.x * edge.y : 0.0;
+    // Ranges beyond the ray's end are as good as infinitely far: what stands in its direction is what it meets.
+    vec4 q2 = view_projection * vec4(r, 0.0);
+    vec2 away = q2.xy / max(q2.w, 1e-4) * 0.5 + 0.5;
+    float far_m = 0.1 / max(texture(ground_depth, away).r, 1e-7);
+    edge = smoothstep(vec2(0.5), vec2(0.42), abs(away - 0.5));
+    bool range = at > 1.0 && q2.w > 0.0 && far_m > 0.8 * reach && far_m < 9e5;
+    mirrored = mix(mirrored, texture(ground_colour, range ? away : hit).rgb, range ? edge.x * edge.y : found);
     float half_angle = max(0.0, dot(n, normalize(view + sun.xyz)));
     mirrored += (18.0 * pow(half_angle, 900.0) + 0.9 * pow(half_angle, 140.0)) * sun_light.rgb * sun_seen * 0.35;
     c = mix(c, mirrored, fresnel);
 
-    float foam = smoothstep(0.22, 0.02, depth) * smoothstep(0.50, 0.72, b.b + 0.175 * sin(depth * 38.0 - time * 1.1 + 6.0 * e.b));
+    // Waves break on a slope, not over flats.
+    float grade = (abs(dFdx(depth)) + abs(dFdy(depth))) / (length(dFdx(p)) + length(dFdy(p)) + 1e-4);
+    float foam = smoothstep(0.012, 0.04, grade) * smoothstep(0.22, 0.02, depth) * smoothstep(0.50, 0.72, b.b + 0.175 * sin(depth * 38.0 - time * 1.1 + 6.0 * e.b));
     c = mix(c, vec3(0.75) * light / k_pi, foam * 0.35);
     c = c * air_kept + air_added;
     colour = vec4(mix(texture(ground_colour, screen_uv).rgb, c, smoothstep(-0.02, 0.10, depth)), 1.0);
