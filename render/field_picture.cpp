@@ -153,7 +153,6 @@ struct Lighting {
     const std::vector<float>* far_mean;
     const BaseColours* colours;
     Image* image;
-    int enlarge;
     float cell, exaggeration;
     float near_m, far_m; ///< radii of the means
     float sx, sy, sz;    ///< towards the sun
@@ -201,14 +200,41 @@ struct Lighting {
         const auto shoulder = [](float c) { return c < 0.6f ? c : 0.6f + 0.4f * (1.0f - std::exp((0.6f - c) / 0.4f)); };
         const uint8_t rgb[3] = {srgb_of(shoulder(base.r * light[0])), srgb_of(shoulder(base.g * light[1])),
                                 srgb_of(shoulder(base.b * light[2]))};
-        for (int py = 0; py < enlarge; ++py)
-            for (int px = 0; px < enlarge; ++px) {
-                uint8_t* p = image->at(x * enlarge + px, y * enlarge + py);
-                for (int c = 0; c < 3; ++c) p[c] = rgb[c];
-                p[3] = 255;
-            }
+        uint8_t* p = image->at(x, y);
+        std::copy_n(rgb, 3, p);
+        p[3] = 255;
     }
 };
+
+/// Whole times as large, bilinear: cells must not show as squares.
+Image enlarged(const Image& from, int factor) {
+    Image to(from.width_px * factor, from.height_px * factor, 4);
+    const auto place = [&](int pixel, int side, int& low, int& high) {
+        const float p = (static_cast<float>(pixel) + 0.5f) / static_cast<float>(factor) - 0.5f;
+        const int whole = static_cast<int>(std::floor(p));
+        low = std::clamp(whole, 0, side - 1);
+        high = std::clamp(whole + 1, 0, side - 1);
+        return p - static_cast<float>(whole);
+    };
+    for (int y = 0; y < to.height_px; ++y) {
+        int y0 = 0;
+        int y1 = 0;
+        const float v = place(y, from.height_px, y0, y1);
+        for (int x = 0; x < to.width_px; ++x) {
+            int x0 = 0;
+            int x1 = 0;
+            const float u = place(x, from.width_px, x0, x1);
+            for (int c = 0; c < 4; ++c) {
+                const float top =
+                    static_cast<float>(from.at(x0, y0)[c]) * (1 - u) + static_cast<float>(from.at(x1, y0)[c]) * u;
+                const float low =
+                    static_cast<float>(from.at(x0, y1)[c]) * (1 - u) + static_cast<float>(from.at(x1, y1)[c]) * u;
+                to.at(x, y)[c] = static_cast<uint8_t>(top * (1 - v) + low * v + 0.5f);
+            }
+        }
+    }
+    return to;
+}
 
 float quantile(std::vector<float>& values, double share) {
     const auto k = static_cast<ptrdiff_t>(share * static_cast<double>(values.size() - 1));
@@ -406,14 +432,13 @@ Image make_ground_picture(const GroundFields& f, const GroundColours& colours, c
     const std::vector<float> far_mean = box_mean(surface, far);
     const BaseColours base(colours);
     const int enlarge = enlargement(f.width, f.height, least_side_px);
-    Image image(f.width * enlarge, f.height * enlarge, 4);
+    Image image(f.width, f.height, 4);
     Lighting light{};
     light.surface = &surface;
     light.near_mean = &near_mean;
     light.far_mean = &far_mean;
     light.colours = &base;
     light.image = &image;
-    light.enlarge = enlarge;
     light.cell = cell;
     light.exaggeration = sun.exaggeration > 0.0f ? sun.exaggeration : exaggeration_of(surface, cell);
     light.near_m = static_cast<float>(near) * cell;
@@ -427,7 +452,7 @@ Image make_ground_picture(const GroundFields& f, const GroundColours& colours, c
     const float reach = light.exaggeration * (*highest - *lowest) / (light.tan_sun * cell);
     light.shadow_steps = std::clamp(static_cast<int>(reach) + 1, 1, 96);
     for_each_cell("picture/ground", {0, 0, f.width, f.height}, light);
-    return image;
+    return enlarge > 1 ? enlarged(image, enlarge) : image;
 }
 
 Image make_field_picture(std::span<const float> values, int width, int height, const FieldPictureOptions& options) {

@@ -64,7 +64,8 @@ SimLayerSet Aeolian::layers(const Desc& /*desc*/) {
 
 int32_t Aeolian::least_halo(const Desc& desc) {
     int32_t halo = std::max(k_least_halo, WindShadowPass::radius(shadow_samples(desc.sand, desc.cell_m)));
-    if (desc.sand.echo_rate_m_per_s > 0.0f) halo = std::max(halo, EchoPass::radius(echo_steps(desc.sand, desc.cell_m)));
+    if (desc.sand.echo_rate_m_per_s > 0.0f && !desc.echo_given)
+        halo = std::max(halo, EchoPass::radius(echo_steps(desc.sand, desc.cell_m)));
     return halo;
 }
 
@@ -107,8 +108,12 @@ Status Aeolian::supply(TileDomain& domain, int64_t step) {
     const Pass pass = supply_pass(p, desc_.seed, step, remove);
     SAHEL_TRY(run_passes(domain, std::span(&pass, 1)));
     SAHEL_ASSIGN(const std::vector<int64_t> after, domain.sums(SimLayer::sand));
-    for (size_t i = 0; i < after.size(); ++i)
+    for (size_t i = 0; i < after.size(); ++i) {
         (add ? supplied_[i].added_ticks : supplied_[i].removed_ticks) += std::abs(after[i] - before[i]);
+        if (domain.keeps_flows())
+            domain.add_source(add ? LedgerSource::supply_added : LedgerSource::supply_removed, SimLayer::sand,
+                              static_cast<int32_t>(i), after[i] - before[i]);
+    }
     return {};
 }
 
@@ -145,7 +150,7 @@ Status Aeolian::step(TileDomain& domain, int64_t step) {
     for (part.index = 0; part.index < parts; ++part.index) {
         passes.push_back(ground_pass());
         passes.push_back(wind_shadow_pass(p, desc_.cell_m));
-        if (echoes) {
+        if (echoes && !desc_.echo_given) {
             passes.push_back(cliff_pass(p, desc_.cell_m));
             passes.push_back(echo_pass(p, desc_.cell_m));
         }

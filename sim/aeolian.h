@@ -44,6 +44,9 @@ class Aeolian {
         double cell_m = 1.0;
         uint64_t seed = 1;
         AvalancheOptions avalanche;
+        /// The echo layer is loaded with the domain and stays: classes of a file instead of those of the cliffs. They
+        /// act where sand.echo_rate is above 0.
+        bool echo_given = false;
     };
     /// Errors: usage (parameters that do not fit together, a halo that is too narrow, a missing layer), budget.
     static Result<Aeolian> create(const Desc& desc, const TileDomain& domain);

@@ -10,14 +10,14 @@
 ///
 ///     columns  -1 |    0    |    1    | 2       block 0 starts at cell 0: the halo has blocks of its own
 ///     -----------+---------+---------+---
-///                |         |         |            128 x 32 cells on the host, 64 x 16 on a device
+///                |         |         |            64 x 32 cells on the host, 64 x 16 on a device
 ///
 /// What a cell becomes depends on cells within 2 of it, hence on its own block and the eight around. If nothing slid
 /// in any of the nine since the block was last worked out, and nothing slid in it then, nothing will slide in it now.
 /// "Slid" means that a transfer of at least one tick touched a cell of the block.
 namespace sahel {
 
-inline constexpr int32_t k_slide_block_x = 128;
+inline constexpr int32_t k_slide_block_x = 64;
 inline constexpr int32_t k_slide_block_y = 32;
 
 struct SlideGrid {

@@ -5,9 +5,12 @@ namespace sahel::SAHEL_ISA_NAMESPACE {
 namespace {
 
 constexpr int32_t k_rim = 2;
-constexpr int32_t k_width = k_slide_block_x + 2 * k_rim;
-constexpr int32_t k_row = (k_width + 15) / 16 * 16; // words
-constexpr int32_t k_ring = 4;                       // rows; a power of two
+constexpr int32_t k_first = 1; // word of a row's first cell; before it and behind the last are words that never slide
+constexpr int32_t k_width = k_first + k_slide_block_x + 2 * k_rim;
+constexpr int32_t k_lanes = 8;
+constexpr int32_t k_row = (k_width + k_lanes + 1 + 15) / 16 * 16; // words: the cells, and a few that never slide
+constexpr int32_t k_no_cell = 1 << 29;                            // their height; they stand at any slope
+constexpr int32_t k_ring = 4;                                     // rows; a power of two
 
 using Row = int32_t[k_row];
 using RealRow = float[k_row];
@@ -17,6 +20,11 @@ SAHEL_HD int32_t larger(int32_t a, int32_t b) {
 }
 SAHEL_HD int32_t smaller(int32_t a, int32_t b) {
     return a < b ? a : b;
+}
+
+// Loops over a row end at a whole number of vectors: what they work out beyond is 0.
+SAHEL_HD int32_t whole(int32_t count) {
+    return (count + k_lanes - 1) / k_lanes * k_lanes;
 }
 
 // What the kernels know of a row of cells.
@@ -32,11 +40,13 @@ bool plain(const SlideGround& g, int32_t slot, const LocalRect& r, int32_t rim) 
 
 // Cells [x0, x1) of row y; what is closed gives nothing.
 void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, bool all_give, Cells& to) {
-    const int32_t count = x1 - x0;
-    int32_t* const height = to.height;
-    int32_t* const limit = to.limit;
-    int32_t* const repose = to.repose;
-    int32_t* const across = to.across;
+    // A few cells more, where the slab has them, so that no loop ends within a vector.
+    const int32_t there = g.bedrock.last - x0;
+    const int32_t count = smaller(whole(x1 - x0), there);
+    int32_t* const height = to.height + k_first;
+    int32_t* const limit = to.limit + k_first;
+    int32_t* const repose = to.repose + k_first;
+    int32_t* const across = to.across + k_first;
     const int32_t* const rock = g.bedrock.row(slot, y) + x0;
     if (g.kind == AvalancheKind::sand) {
         const int32_t* const earth = g.soil.row(slot, y) + x0;
@@ -69,8 +79,16 @@ void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t
             across[i] = repose_across(c.repose);
         }
     }
+    const auto no_cell = [&to](int32_t i) __attribute__((always_inline)) {
+        to.height[i] = k_no_cell;
+        to.limit[i] = 0;
+        to.repose[i] = 2 * k_no_cell;
+        to.across[i] = 2 * k_no_cell;
+    };
+    no_cell(0);
+    for (int32_t i = k_first + x1 - x0; i < k_row; ++i) no_cell(i);
     if (all_give) return;
-    for (int32_t i = 0; i < count; ++i)
+    for (int32_t i = 0; i < x1 - x0; ++i)
         if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
 }
 
@@ -80,38 +98,64 @@ SAHEL_HD int32_t pair_excess(int32_t drop, int32_t first, int32_t second) {
     return larger(smaller(over, k_most_excess), -k_most_excess);
 }
 
-// Pairs of two rows, cell i of `a` with cell i + shift of `b`; the bits of all that are not 0.
-SAHEL_HD int32_t pair_row(const int32_t* ha, const int32_t* ta, const int32_t* hb, const int32_t* tb, int32_t* out,
-                          int32_t from, int32_t to) {
+// The pairs of row `a` with itself and with the row below, `b`; the bits of all that are not 0.
+SAHEL_HD int32_t pair_rows(const Cells& a, const Cells& b, int32_t* e, int32_t* se, int32_t* s, int32_t* sw,
+                           int32_t cells) {
     int32_t any = 0;
+    const int32_t end = k_first + whole(cells);
     SAHEL_VECTORIZE
-    for (int32_t i = from; i < to; ++i) {
-        const int32_t e = pair_excess(ha[i] - hb[i], ta[i], tb[i]);
-        out[i] = e;
-        any |= e;
+    for (int32_t i = k_first; i < end; ++i) {
+        const int32_t h = a.height[i];
+        const int32_t beside = a.repose[i];
+        const int32_t across = a.across[i];
+        const int32_t to_e = pair_excess(h - a.height[i + 1], beside, a.repose[i + 1]);
+        const int32_t to_se = pair_excess(h - b.height[i + 1], across, b.across[i + 1]);
+        const int32_t to_s = pair_excess(h - b.height[i], beside, b.repose[i]);
+        const int32_t to_sw = pair_excess(h - b.height[i - 1], across, b.across[i - 1]);
+        e[i] = to_e;
+        se[i] = to_se;
+        s[i] = to_s;
+        sw[i] = to_sw;
+        any |= (to_e | to_se) | (to_s | to_sw);
     }
     return any;
+}
+
+SAHEL_HD int32_t slid(int32_t excess, float share_first, float share_second) {
+    return slide_amount(excess, det::pick(excess > 0, share_first, share_second));
 }
 
 // Excess into what slides.
-SAHEL_HD int32_t slide_row(int32_t* pair, const float* share_a, const float* share_b, int32_t from, int32_t to) {
+SAHEL_HD int32_t slide_rows(const float* share, const float* share_below, int32_t* e, int32_t* se, int32_t* s,
+                            int32_t* sw, int32_t cells) {
     int32_t any = 0;
+    const int32_t end = k_first + whole(cells);
     SAHEL_VECTORIZE
-    for (int32_t i = from; i < to; ++i) {
-        const int32_t e = pair[i];
-        const int32_t f = slide_amount(e, det::pick(e > 0, share_a[i], share_b[i]));
-        pair[i] = f;
-        any |= f;
+    for (int32_t i = k_first; i < end; ++i) {
+        const float here = share[i];
+        const int32_t to_e = slid(e[i], here, share[i + 1]);
+        const int32_t to_se = slid(se[i], here, share_below[i + 1]);
+        const int32_t to_s = slid(s[i], here, share_below[i]);
+        const int32_t to_sw = slid(sw[i], here, share_below[i - 1]);
+        e[i] = to_e;
+        se[i] = to_se;
+        s[i] = to_s;
+        sw[i] = to_sw;
+        any |= (to_e | to_se) | (to_s | to_sw);
     }
     return any;
 }
 
-void share_row(const SlideRule& rule, const int32_t* limit, const int32_t* e, const int32_t* se, const int32_t* s,
-               const int32_t* sw, const int32_t* up_se, const int32_t* up_s, const int32_t* up_sw, float* share,
-               int32_t from, int32_t to) {
+// Shares of the cells whose neighbours are all known; 0 of the others.
+SAHEL_HD void share_row(const SlideRule& rule, const int32_t* limit, const int32_t* e, const int32_t* se,
+                        const int32_t* s, const int32_t* sw, const int32_t* up_se, const int32_t* up_s,
+                        const int32_t* up_sw, float* share, int32_t cells) {
     const SlideRule r = rule;
+    const int32_t from = k_first + 1;
+    const int32_t to = k_first + cells - 1;
+    const int32_t end = from + whole(to - from);
     SAHEL_VECTORIZE
-    for (int32_t i = from; i < to; ++i) {
+    for (int32_t i = from; i < end; ++i) {
         const int32_t a = larger(e[i], 0), b = larger(se[i], 0), c = larger(s[i], 0), d = larger(sw[i], 0);
         const int32_t w = larger(-e[i - 1], 0), nw = larger(-up_se[i - 1], 0);
         const int32_t n = larger(-up_s[i], 0), ne = larger(-up_sw[i + 1], 0);
@@ -119,6 +163,8 @@ void share_row(const SlideRule& rule, const int32_t* limit, const int32_t* e, co
         const int32_t most = larger(larger(larger(a, b), larger(c, d)), larger(larger(w, nw), larger(n, ne)));
         share[i] = slide_share(r, sum, most, limit[i]);
     }
+    share[0] = share[k_first] = 0.0f;
+    for (int32_t i = to; i < k_row; ++i) share[i] = 0.0f;
 }
 
 // The ring of rows of one block. Pairs are overwritten by what slides between them.
@@ -127,10 +173,6 @@ struct Ring {
     alignas(64) Row e[k_ring], se[k_ring], s[k_ring], sw[k_ring];
     alignas(64) RealRow share[k_ring];
 };
-
-void clear(int32_t* row) {
-    for (int32_t i = 0; i < k_row; ++i) row[i] = 0;
-}
 
 // The sum of what a row of cells gets, into `net`; or apart, what it gives and what it gets.
 template <bool Apart>
@@ -159,12 +201,15 @@ bool sweep_block(const SlideSweep& f, const SlideWork& work, Ring& ring) {
     const SlideGround& g = f.ground;
     const LocalRect rect = work.rect;
     const int32_t slot = work.slot;
-    const int32_t w = rect.x1 - rect.x0; // cell x of the block is word x - x0 + k_rim of a row
+    const int32_t w = rect.x1 - rect.x0; // cell x of the block is word x - x0 + k_first + k_rim
     const bool all_give = plain(g, slot, rect, k_rim);
     const SlabView<const int32_t> plane = g.sliding();
+    for (int32_t i = 0; i < k_ring; ++i) { // words that pair_rows leaves and share_row looks at
+        for (int32_t c = k_first + whole(w + 2 * k_rim); c < k_row; ++c)
+            ring.e[i][c] = ring.se[i][c] = ring.s[i][c] = ring.sw[i][c] = 0;
+    }
     int32_t steep[k_ring] = {}; // pairs of a row that are not 0, and then what slides in them
     int32_t any = 0;
-    clear(ring.se[(rect.y0 - k_rim) & (k_ring - 1)]);
     for (int32_t r = rect.y0 - k_rim; r < rect.y1 + k_rim; ++r) {
         const int32_t i0 = r & (k_ring - 1);
         const int32_t i1 = (r - 1) & (k_ring - 1);
@@ -172,50 +217,35 @@ bool sweep_block(const SlideSweep& f, const SlideWork& work, Ring& ring) {
         const int32_t i3 = (r - 3) & (k_ring - 1);
         Cells& now = ring.cells[i0];
         load_row(g, slot, r, rect.x0 - k_rim, rect.x1 + k_rim, all_give, now);
-        steep[i0] = pair_row(now.height, now.repose, now.height + 1, now.repose + 1, ring.e[i0], 0, w + 3);
         if (r == rect.y0 - k_rim) continue;
         const Cells& up = ring.cells[i1];
-        steep[i1] |= pair_row(up.height, up.repose, now.height, now.repose, ring.s[i1], 0, w + 4) |
-                     pair_row(up.height, up.across, now.height + 1, now.across + 1, ring.se[i1], 0, w + 3) |
-                     pair_row(up.height, up.across, now.height - 1, now.across - 1, ring.sw[i1], 1, w + 4);
+        steep[i1] = pair_rows(up, now, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], w + 2 * k_rim);
         if (r == rect.y0 - 1) continue;
         // Shares of row r - 1, from the pairs of rows r - 2 and r - 1.
-        const bool gives = (steep[i1] | steep[i2]) != 0;
-        if (gives) {
+        if ((steep[i1] | steep[i2]) != 0) {
             share_row(f.rule, up.limit, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], ring.se[i2], ring.s[i2],
-                      ring.sw[i2], ring.share[i1], 1, w + 3);
+                      ring.sw[i2], ring.share[i1], w + 2 * k_rim);
         } else {
             for (int32_t i = 0; i < k_row; ++i) ring.share[i1][i] = 0.0f;
         }
-        if (r == rect.y0) { // row r - 1 is the rim: what it slides to row r comes with the next row
-            continue;
-        }
-        // What slides: from row r - 2 downwards (its shares and those of r - 1 are known), and within row r - 2.
-        const float* const a = ring.share[i2];
-        const float* const b = ring.share[i1];
-        int32_t slid = 0;
-        if (steep[i2] != 0) {
-            slid = slide_row(ring.s[i2], a, b, 2, w + 2) | slide_row(ring.se[i2], a, b + 1, 1, w + 2) |
-                   slide_row(ring.sw[i2], a, b - 1, 2, w + 3);
-            if (r - 2 >= rect.y0) slid |= slide_row(ring.e[i2], a, a + 1, 1, w + 2);
-        }
-        steep[i2] = slid;
-        if (r - 2 < rect.y0) {
-            any |= slid;
-            continue;
-        }
-        any |= slid;
+        if (r == rect.y0) continue; // the row above the block's rim gives nothing to it
+        // What slides from row r - 2 downwards and within it: its shares and those of r - 1 are known.
+        if (steep[i2] != 0)
+            steep[i2] = slide_rows(ring.share[i2], ring.share[i1], ring.e[i2], ring.se[i2], ring.s[i2], ring.sw[i2],
+                                   w + 2 * k_rim);
+        any |= steep[i2];
+        if (r - 2 < rect.y0) continue;
         const int32_t y = r - 2;
         const int32_t* const from = plane.row(slot, y) + rect.x0;
         int32_t* const out = f.out.row(slot, y) + rect.x0;
-        if ((slid | steep[i3]) == 0) {
+        if ((steep[i2] | steep[i3]) == 0) {
             for (int32_t i = 0; i < w; ++i) out[i] = from[i];
         } else {
             // Cells that are not simulated stay as they are: in blocks with such cells one by one.
             const int32_t step = all_give ? w : 1;
             int32_t* const taken = f.taken.origin ? f.taken.row(slot, y) + rect.x0 : nullptr;
             for (int32_t i = 0; i < w; i += step) {
-                const int32_t c = i + k_rim;
+                const int32_t c = k_first + k_rim + i;
                 if (!all_give && !g.gives(slot, rect.x0 + i, y)) {
                     out[i] = from[i];
                 } else if (taken) {
@@ -238,37 +268,38 @@ bool probe_block(const SlideProbe& f, const SlideWork& work, Ring& ring) {
     for (int32_t r = rect.y0; r <= rect.y1; ++r) {
         Cells& now = ring.cells[r & 1];
         load_row(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
-        for (int32_t i = 0; i < w + 2; ++i) { // what gives nothing never stands too steep
-            now.repose[i] = now.limit[i] > 0 ? now.repose[i] + f.start_ticks : INT32_MAX / 2;
-            now.across[i] = now.limit[i] > 0 ? now.across[i] + f.start_ticks : INT32_MAX / 2;
+        for (int32_t i = k_first; i < k_first + w + 2; ++i) { // what gives nothing never stands too steep
+            now.repose[i] = now.limit[i] > 0 ? now.repose[i] + f.start_ticks : k_no_cell;
+            now.across[i] = now.limit[i] > 0 ? now.across[i] + f.start_ticks : k_no_cell;
         }
         if (r == rect.y0) continue;
-        const Cells& up = ring.cells[(r - 1) & 1];
-        const int32_t any = pair_row(up.height, up.repose, up.height + 1, up.repose + 1, ring.e[0], 1, w + 1) |
-                            pair_row(up.height, up.repose, now.height, now.repose, ring.s[0], 1, w + 1) |
-                            pair_row(up.height, up.across, now.height + 1, now.across + 1, ring.se[0], 1, w + 1) |
-                            pair_row(up.height, up.across, now.height - 1, now.across - 1, ring.sw[0], 1, w + 1);
+        const int32_t any =
+            pair_rows(ring.cells[(r - 1) & 1], now, ring.e[0], ring.se[0], ring.s[0], ring.sw[0], w + 2);
         if (any != 0) return true;
     }
     return false;
 }
 
-// One direction of a row of pairs with memory.
-SAHEL_HD int32_t flow_row(const SlideInertia& rule, const Cells& a, const int32_t* repose_a, const Cells& b,
-                          const int32_t* repose_b, int32_t shift, int32_t* flow, int32_t count) {
+// The flows of a row of cells, whose rim is one cell wide, to the east and to the row below.
+SAHEL_HD int32_t flow_rows(const SlideInertia& rule, const Cells& a, const Cells& b, int32_t* e, int32_t* se,
+                           int32_t* s, int32_t* sw, int32_t count) {
     const SlideInertia r = rule;
-    const int32_t* const ha = a.height + 1;
-    const int32_t* const hb = b.height + 1 + shift;
-    const int32_t* const ca = a.limit + 1;
-    const int32_t* const cb = b.limit + 1 + shift;
-    const int32_t* const ra = repose_a + 1;
-    const int32_t* const rb = repose_b + 1 + shift;
     int32_t any = 0;
     SAHEL_VECTORIZE
     for (int32_t i = 0; i < count; ++i) {
-        const int32_t next = slide_flow(r, flow[i], ha[i] - hb[i], {ra[i], ca[i]}, {rb[i], cb[i]});
-        flow[i] = next;
-        any |= next;
+        const int32_t c = i + k_first + 1;
+        const int32_t h = a.height[c];
+        const SlideSide beside{a.repose[c], a.limit[c]};
+        const SlideSide across{a.across[c], a.limit[c]};
+        const int32_t to_e = slide_flow(r, e[i], h - a.height[c + 1], beside, {a.repose[c + 1], a.limit[c + 1]});
+        const int32_t to_se = slide_flow(r, se[i], h - b.height[c + 1], across, {b.across[c + 1], b.limit[c + 1]});
+        const int32_t to_s = slide_flow(r, s[i], h - b.height[c], beside, {b.repose[c], b.limit[c]});
+        const int32_t to_sw = slide_flow(r, sw[i], h - b.height[c - 1], across, {b.across[c - 1], b.limit[c - 1]});
+        e[i] = to_e;
+        se[i] = to_se;
+        s[i] = to_s;
+        sw[i] = to_sw;
+        any |= (to_e | to_se) | (to_s | to_sw);
     }
     return any;
 }
@@ -282,7 +313,7 @@ bool flow_block(const SlideFlows& f, const SlideWork& work, Ring& ring) {
         Cells& now = ring.cells[r & 1];
         load_row(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
         SAHEL_VECTORIZE
-        for (int32_t i = 0; i < w + 2; ++i) now.limit[i] = slide_cap(now.limit[i]);
+        for (int32_t i = 0; i < k_row; ++i) now.limit[i] = slide_cap(now.limit[i]);
         if (r == rect.y0) continue;
         const Cells& up = ring.cells[(r - 1) & 1];
         const int32_t y = r - 1;
@@ -298,10 +329,7 @@ bool flow_block(const SlideFlows& f, const SlideWork& work, Ring& ring) {
                 s[i] = f.ground.remembered(work.slot, x, y, x, y + 1, s[i]);
                 sw[i] = f.ground.remembered(work.slot, x, y, x - 1, y + 1, sw[i]);
             }
-        any |= flow_row(f.rule, up, up.repose, up, up.repose, 1, e, w) |
-               flow_row(f.rule, up, up.across, now, now.across, 1, se, w) |
-               flow_row(f.rule, up, up.repose, now, now.repose, 0, s, w) |
-               flow_row(f.rule, up, up.across, now, now.across, -1, sw, w);
+        any |= flow_rows(f.rule, up, now, e, se, s, sw, w);
         if (!all_give)
             for (int32_t i = 0; i < w; ++i) {
                 const int32_t x = rect.x0 + i;

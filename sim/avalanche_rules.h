@@ -70,8 +70,8 @@ SAHEL_HD int32_t repose_across(int32_t beside) {
 /// last sweep is remembered (negative: from k to i). With the excess e = h_i - h_k - tau_i delta l in the direction of
 /// f,
 ///
-///     f  <-  m f / (1 + c |f|)  +  g e   where the pair is steeper than repose (e > 0): gravity pulls
-///                               +  b e   where it is not (e < 0): friction brakes, at most to rest
+///     f  <-  m f max(1 - c |f|, 0)  +  g e   where the pair is steeper than repose (e > 0): gravity pulls
+///                                   +  b e   where it is not (e < 0): friction brakes, at most to rest
 ///
 /// It is a mass on a slope with Coulomb friction at the angle of repose and a drag that grows with the flow, so that
 /// walls of hundreds of metres do not run away when they fall (the law of Voellmy, 1955, for flowing avalanches). For
@@ -108,7 +108,8 @@ SAHEL_HD int32_t slide_cap(int32_t limit) {
 SAHEL_HD int32_t slide_flow(const SlideInertia& rule, int32_t before, int32_t drop, const SlideSide& i,
                             const SlideSide& k) {
     const auto f = static_cast<float>(before);
-    const float kept = (k_slide_memory * f) / (1.0f + rule.drag_per_tick * det::abs(f));
+    const float left = 1.0f - rule.drag_per_tick * det::abs(f);
+    const float kept = (k_slide_memory * f) * det::pick(left > 0.0f, left, 0.0f);
     const int32_t over_i = drop - i.repose;
     const int32_t over_k = -drop - k.repose;
     const float forth = det::pick(over_i > 0, k_slide_gain, k_slide_brake) * static_cast<float>(over_i) + kept;

@@ -2,6 +2,8 @@
 #include "sim/avalanche_runner.h"
 #include "world/cuda_runtime.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 #include <vector>
 
@@ -23,7 +25,8 @@ class DeviceSlides final : public SlideRunner {
         const uint64_t marks = (blocks + 15) / 16 * 16;
         const auto counters = static_cast<uint64_t>(sweeps_);
         SAHEL_ASSIGN(void* const of_blocks, d_.scratch("avalanche blocks", 2 * marks + 4 * blocks));
-        SAHEL_ASSIGN(void* const of_sweeps, d_.scratch("avalanche sweeps", 16 + 4 * counters));
+        SAHEL_ASSIGN(void* const of_sweeps,
+                     d_.scratch(fmt::format("avalanche of {} sweeps", sweeps_), 16 + 4 * counters));
         flags_.before = static_cast<uint8_t*>(of_blocks);
         flags_.now = flags_.before + marks;
         flags_.quiet = reinterpret_cast<float*>(flags_.now + marks);

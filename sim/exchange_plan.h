@@ -127,7 +127,7 @@ SAHEL_HD uint32_t mirrored_word(uint32_t word, Mirror mirror, bool flip_x, bool 
 }
 
 /// How one layer is filled beyond the borders where nothing is simulated.
-enum class EdgeRule : uint8_t { as_edge, nothing, water };
+enum class EdgeRule : uint8_t { as_edge, nothing, sealed, water };
 struct EdgeLayers {
     SlabView<uint32_t> words;
     SlabView<const int32_t> bedrock, soil, sand; ///< for water: what lies under it
@@ -137,6 +137,10 @@ struct EdgeLayers {
     SAHEL_HD void fill(const EdgeFill& f, int32_t x, int32_t y) const {
         if (rule == EdgeRule::nothing) {
             words(f.slot, x, y) = 0;
+            return;
+        }
+        if (rule == EdgeRule::sealed) {
+            words(f.slot, x, y) = __builtin_bit_cast(uint32_t, k_sealed);
             return;
         }
         if (f.border == Border::frozen) return; // loaded

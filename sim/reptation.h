@@ -53,9 +53,11 @@ struct SmoothPass {
     SAHEL_HD int32_t height(int32_t s, int32_t x, int32_t y) const {
         return (bedrock(s, x, y) + soil(s, x, y)) + sand(s, x, y);
     }
-    /// Share of the slope's ticks that flow between two cells, for each tick they differ by.
+    /// Share of the slope's ticks that flow between two cells, for each tick they differ by. Beyond frozen and open
+    /// borders `bounce` is sealed: no ground there gives or takes.
     SAHEL_HD float rate(float bounced, float speeds, float scale) const {
-        return det::min(bounced * strength + bounced * (wind_strength * speeds), most) * scale;
+        const float c = bounced * strength + bounced * (wind_strength * speeds);
+        return det::max(det::min(c, most), 0.0f) * scale; // below 0: sealed
     }
     /// 1/8 over the distance to a side or a corner.
     SAHEL_HD float scale(int k) const { return 0.125f / (cell_m * ((k & 1) != 0 ? k_sqrt2 : 1.0f)); }

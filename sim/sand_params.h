@@ -41,7 +41,7 @@ struct SandParams {
     bool reptation_shadowed = false;
     // avalanches
     int avalanche_sweeps = 0;
-    int avalanche_max_sweeps = 2000;
+    int avalanche_max_sweeps = 10000;
     float avalanche_tolerance = 0.004f;
     float avalanche_strength = 1.0f;
     int avalanche_soft_every = 10;

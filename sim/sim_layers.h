@@ -49,8 +49,11 @@ enum class SimLayer : uint8_t {
 inline constexpr int k_sim_layer_count = static_cast<int>(SimLayer::count_);
 
 /// What a cell beyond an open border holds: the value of the nearest cell inside (a ground that goes on as it ends), or
-/// nothing (nothing comes in). Beyond a frozen border the same "nothing" holds, and all else is what was loaded.
-enum class Outside : uint8_t { as_edge, nothing };
+/// nothing (nothing comes in), or a number so far below nothing that a sum with it cannot be above (for pairs of cells
+/// whose flow depends on both: nothing crosses). Beyond a frozen border "nothing" and "sealed" hold too, and all else
+/// is what was loaded.
+enum class Outside : uint8_t { as_edge, nothing, sealed };
+inline constexpr float k_sealed = -1.0e20f;
 
 /// A wall mirrors the world: a component of a vector changes its sign there.
 enum class Mirror : uint8_t { even, odd_x, odd_y };
@@ -93,7 +96,7 @@ inline constexpr std::array<SimLayerInfo, k_sim_layer_count> k_sim_layers = {{
     {SimLayer::echo,          "echo",          "",    LayerType::real,  SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Above 0: sticky fraction; below 0: erosion; 0: neither"},
     {SimLayer::hopping,       "hopping",       "m",   LayerType::ticks, SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "Airborne sand that is carried in this step"},
     {SimLayer::hopping_next,  "hopping_next",  "m",   LayerType::ticks, SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "The same after one leg of its way"},
-    {SimLayer::bounce,        "bounce",        "m/s", LayerType::real,  SimRole::working,   Outside::nothing, Mirror::even,  std::nullopt,         "Sand that bounced, as thickness per second"},
+    {SimLayer::bounce,        "bounce",        "m/s", LayerType::real,  SimRole::working,   Outside::sealed,  Mirror::even,  std::nullopt,         "Sand that bounced, as thickness per second"},
     {SimLayer::repose,        "repose",        "m/m", LayerType::real,  SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Tangent of the angle of repose of sand"},
     {SimLayer::surface,       "surface",       "m",   LayerType::ticks, SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "Top of the ground"},
     {SimLayer::surface_next,  "surface_next",  "m",   LayerType::ticks, SimRole::working,   Outside::as_edge, Mirror::even,  std::nullopt,         "What avalanches, after the sweep"},

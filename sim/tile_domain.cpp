@@ -232,6 +232,7 @@ Status TileDomain::fill_edges(SimLayerSet layers) {
             layer == SimLayer::water && layers_.contains({SimLayer::bedrock, SimLayer::soil, SimLayer::sand})
                 ? EdgeRule::water
             : info_of(layer).outside == Outside::nothing ? EdgeRule::nothing
+            : info_of(layer).outside == Outside::sealed  ? EdgeRule::sealed
                                                          : EdgeRule::as_edge;
         EdgeLayers e{words(layer), {}, {}, {}, rule, layout_.level_ticks};
         if (rule == EdgeRule::water) {

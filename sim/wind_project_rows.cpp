@@ -47,18 +47,28 @@ double dot(const WindPlane& a, const WindPlane& b, double* rows) {
     return sum;
 }
 
-// e += p(S) r with the Chebyshev polynomial of [low, k_high], starting from the residual in l.r; l.r and l.d are used
-// up. Saad: Iterative Methods for Sparse Linear Systems (2003), algorithm 12.1.
-void chebyshev(const ProjectLevel& l, float low, int32_t steps, bool residual_after) {
+// e += p(S) r with the Chebyshev polynomial of [low, k_high], starting from the residual in l.r; or, `afresh`, from
+// r = b and e = 0. l.r and l.d are used up. Saad: Iterative Methods for Sparse Linear Systems (2003), algorithm 12.1.
+void chebyshev(const ProjectLevel& l, float low, int32_t steps, bool afresh, bool residual_after) {
     const float centre = 0.5f * (k_high + low);
     const float sigma = (k_high + low) / (k_high - low);
     const float first = 1.0f / centre;
     WindPlane d = l.d;
     WindPlane next = l.next;
     for_each_row(k_name, d.nx, d.ny, [&](int32_t y) {
-        const float* r = l.r.row(y);
+        const float* b = l.b.row(y);
+        float* r = l.r.row(y);
         float* to = d.row(y);
         float* e = l.e.row(y);
+        if (afresh) {
+            SAHEL_VECTORIZE
+            for (int32_t x = 0; x < d.nx; ++x) {
+                r[x] = b[x];
+                to[x] = first * b[x];
+                e[x] = to[x];
+            }
+            return;
+        }
         SAHEL_VECTORIZE
         for (int32_t x = 0; x < d.nx; ++x) {
             to[x] = first * r[x];
@@ -156,32 +166,18 @@ void find_residual(const ProjectLevel& l) {
     });
 }
 
-void start(const ProjectLevel& l) { // e = 0, r = b
-    for_each_row(k_name, l.b.nx, l.b.ny, [&](int32_t y) {
-        const float* b = l.b.row(y);
-        float* r = l.r.row(y);
-        float* e = l.e.row(y);
-        for (int32_t x = 0; x < l.b.nx; ++x) {
-            r[x] = b[x];
-            e[x] = 0.0f;
-        }
-    });
-}
-
 // levels[first].e = one V-cycle for levels[first].b.
 void cycle(const ProjectWork& w, int32_t first) {
     const int32_t last = w.level_count - 1;
     for (int32_t i = first; i < last; ++i) {
-        start(w.levels[i]);
-        chebyshev(w.levels[i], k_smooth_low, k_smooth_steps, true);
+        chebyshev(w.levels[i], k_smooth_low, k_smooth_steps, true, true);
         restrict_residual(w.levels[i], w.levels[i + 1]);
     }
-    start(w.levels[last]);
-    chebyshev(w.levels[last], w.coarsest_low, w.coarsest_steps, false);
+    chebyshev(w.levels[last], w.coarsest_low, w.coarsest_steps, true, false);
     for (int32_t i = last - 1; i >= first; --i) {
         prolong(w.levels[i + 1], w.levels[i], false);
         find_residual(w.levels[i]);
-        chebyshev(w.levels[i], k_smooth_low, k_smooth_steps, false);
+        chebyshev(w.levels[i], k_smooth_low, k_smooth_steps, false, false);
     }
 }
 

@@ -41,6 +41,7 @@ Digest digest_of(const SimulationParams& params, const Aeolian::Desc& desc) {
     if (desc.schedule)
         for (const WindSchedule::Row& row : desc.schedule->rows())
             text += fmt::format(" {} {} {}", row.start_s, row.wind.speed_m_per_s, row.wind.angle_deg);
+    if (desc.schedule) text += fmt::format(" {}", desc.schedule->length_s());
     return checksum({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
 }
 
@@ -356,6 +357,30 @@ Result<WorldLedger> read_world_ledger(const World& world) {
                 for (const InboxCell& c : inbox.cells) ledger.waiting[ledger_index(layer)] += c.ticks;
     ledger.check = ledger.book.check(ledger.waiting);
     return ledger;
+}
+
+Result<std::vector<std::string>> verify_world_ledger(const World& world) {
+    std::vector<std::string> wrong;
+    SAHEL_ASSIGN(const WorldLedger ledger, read_world_ledger(world));
+    if (!ledger.check.closed()) wrong.push_back(ledger.check.text);
+    for (const auto& [key, tile] : ledger.book.tiles()) {
+        auto block = world.read_tile(key);
+        if (!block.ok()) {
+            wrong.push_back(
+                fmt::format("tile {},{} has an account but cannot be read: {}", key.x, key.y, block.error().message));
+            continue;
+        }
+        for (const SimLayer layer : k_ledger_layers) {
+            const FieldView<const int32_t> cells = std::as_const(*block).ints(*info_of(layer).world);
+            int64_t sum = 0;
+            for (int32_t y = 0; y < cells.height(); ++y)
+                for (int32_t x = 0; x < cells.width(); ++x) sum += cells(x, y);
+            if (sum != tile.of(layer).closing)
+                wrong.push_back(fmt::format("tile {},{} holds {} ticks of {}, the ledger says {}", key.x, key.y, sum,
+                                            info_of(layer).name, tile.of(layer).closing));
+        }
+    }
+    return wrong;
 }
 
 } // namespace sahel

@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 /// A rectangle of tiles of a world, resident and simulated: loaded with what waits in their inboxes, advanced step by
 /// step, committed at the end, at checkpoints and when stopped.
@@ -95,5 +96,7 @@ struct WorldLedger {
 };
 /// Errors: corrupt, io. A ledger that does not close is no error here: `check` says so.
 Result<WorldLedger> read_world_ledger(const World& world);
+/// Also adds up what the stored tiles hold, against what the ledger says. One line for each thing that is wrong.
+Result<std::vector<std::string>> verify_world_ledger(const World& world);
 
 } // namespace sahel

@@ -90,7 +90,7 @@ Status load_rims(const World& world, TileDomain& domain, int32_t slot) {
         Status status;
         domain.layers().for_each([&](SimLayer layer) {
             const SimLayerInfo& info = info_of(layer);
-            if (!status.ok() || info.role == SimRole::working || info.outside == Outside::nothing) return;
+            if (!status.ok() || info.role == SimRole::working || info.outside != Outside::as_edge) return;
             std::fill(cells.begin(), cells.end(), 0);
             if (info.world) {
                 const FieldView<const int32_t> view = std::as_const(block).ints(*info.world);

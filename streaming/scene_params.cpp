@@ -127,6 +127,13 @@ void note_differences(const SceneValues& v, Scene& scene) {
     if (v.projection_mode == 1)
         notes.emplace_back("projectionMode 1 (Jacobi): divergence is removed exactly, not by so many iterations");
     if (scene.format == SceneFormat::dunes_2023) notes.emplace_back("a file of 2023: the wind is not projected");
+    // Of a flat bed: 5/3 of what is lifted meets the ground in a step (method 3.10.4).
+    const float strength = scene.sand.reptation_smooth + scene.sand.reptation_smooth_wind_s_per_m * v.wind_speed;
+    if (const float omega = strength * v.saltation_strength / (0.6f * v.grid_scale); omega > 0.8f)
+        notes.push_back(
+            fmt::format("reptation smooths {:.1f} times as much as one stable pass can: it is run in parts, "
+                        "where the published program {}",
+                        omega / 0.8f, omega > 1.66f ? "makes ripples" : "oscillates"));
     if (oasis) {
         notes.emplace_back("water, moisture and plants are loaded and stay as they are: only wind and sand are run");
         if (!scene.species.empty())

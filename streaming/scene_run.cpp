@@ -31,6 +31,7 @@ Status fill(TileDomain& domain, const SceneGround& g) {
     SAHEL_TRY(domain.fill(SimLayer::airborne_sand, [](int64_t, int64_t) { return int32_t{0}; }));
     SAHEL_TRY(domain.fill(SimLayer::vegetation, [&](int64_t x, int64_t y) { return g.vegetation[at(x, y)]; }));
     SAHEL_TRY(domain.fill(SimLayer::resistance, [&](int64_t x, int64_t y) { return g.resistance[at(x, y)]; }));
+    if (!g.echo.empty()) SAHEL_TRY(domain.fill(SimLayer::echo, [&](int64_t x, int64_t y) { return g.echo[at(x, y)]; }));
     return domain.fill(SimLayer::object, [&](int64_t x, int64_t y) { return int32_t{g.object[at(x, y)]}; });
 }
 
@@ -75,6 +76,13 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
         ground.notes.push_back(fmt::format("discs of supply have a radius of {} cells instead of {}: the same share of "
                                            "the grid",
                                            desc.sand.supply_radius_cells, scene.sand.supply_radius_cells));
+    }
+    if (!ground.echo.empty() && scene.sand.echo_rate_m_per_s == 0.0f) {
+        desc.echo_given = true;
+        desc.sand.echo_rate_m_per_s = 1.0e-9f; // any rate switches classes on; a map holds none that erodes
+        ground.notes.emplace_back("echo classes are those of the map, as in the published program");
+    } else {
+        ground.echo.clear();
     }
     desc.cell_m = scene.cell_m;
     desc.seed = options.seed;

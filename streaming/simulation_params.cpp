@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -109,9 +110,8 @@ Result<Aeolian::Desc> aeolian_desc(const SimulationParams& params, const WorldDe
     if (!params.rose.empty()) {
         const std::filesystem::path file = world_folder / params.rose;
         SAHEL_ASSIGN(const std::string text, read_text_file(file));
-        const bool csv = file.extension() == ".csv";
-        SAHEL_ASSIGN(aeolian.schedule, csv ? WindSchedule::from_csv(text, file.string())
-                                           : WindSchedule::from_json(text, file.string()));
+        SAHEL_ASSIGN(aeolian.schedule, file.extension() == ".json" ? WindSchedule::from_json(text, file.string())
+                                                                   : WindSchedule::from_csv(text, file.string()));
     }
     return aeolian;
 }

@@ -14,8 +14,8 @@
 ///
 ///     "simulation": { "wind": { "speed": 5, ... }, "sand": { "lift_rate": 1, ... }, "rose": "winds.csv" }
 ///
-/// Keys, ranges and defaults are those of the field tables; a missing key has its default. `rose` is a wind series in
-/// the world's folder, or nothing.
+/// Keys, ranges and defaults are those of the field tables; a missing key has its default. `rose` is a file in the world's
+/// folder with a series of winds (wind_schedule.h; JSON if it ends so, else CSV), or nothing.
 namespace sahel {
 
 struct SimulationParams {

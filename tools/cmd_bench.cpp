@@ -108,6 +108,7 @@ int run(const Options& o) {
     options.tile_cells = o.tile_cells;
     name_machine(options.machine);
     add_terrain_benchmarks(options);
+    add_avalanche_benchmarks(options);
     add_sand_benchmarks(options);
     add_store_benchmarks(options);
     add_streaming_benchmarks(options);

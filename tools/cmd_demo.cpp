@@ -1,5 +1,7 @@
 #include "render/contact_sheet.h"
+#include "streaming/simulation_params.h"
 #include "tools/command.h"
+#include "tools/demo_dunes.h"
 #include "tools/flight.h"
 #include "tools/tour.h"
 #include "world/bandwidth.h"
@@ -20,6 +22,7 @@ struct Options {
     std::string out = "out/demo", preset = "oasis", dem;
     uint64_t seed = 1;
     double seconds = 12.0, budget_s = 200.0;
+    int64_t steps = 200;
     int fps = 24, samples = 4, still_samples = 8, width = 1280, height = 720;
 };
 
@@ -34,6 +37,7 @@ Result<World> make_world(const Options& o, const fs::path& folder) {
     desc.preset = o.preset;
     desc.terrain = terrain;
     desc.tile_cells = 512;
+    desc.simulation = simulation_json(default_simulation(desc));
     return World::create(folder, desc);
 }
 
@@ -59,6 +63,30 @@ Status second_act(const Options& o, const ViewSessionDesc& desc, nlohmann::order
     return {};
 }
 
+/// Wind over the tiles before the still of the dunes (or before the flight), with a time lapse of it.
+Status dune_act(const Options& o, World& world, const Tour& tour, nlohmann::ordered_json& report) {
+    CameraPose pose = tour.flight.pose_at(tour.flight.start_s());
+    for (const TourStill& s : tour.stills)
+        if (s.name == "dunes") pose = s.pose;
+    constexpr int k_side = 2; // tiles
+    constexpr int k_every = 2;
+    ProgressBar bar("wind and sand");
+    SAHEL_ASSIGN(const DuneAct act,
+                 blow_dunes(world, tiles_before(pose, world.desc(), k_side), o.steps, k_every,
+                            fs::path(o.out) / "dunes.mp4", [&](int64_t done, int64_t all) { bar.update(done, all); }));
+    if (!act.note.empty()) fmt::print("{}\n", act.note);
+    fmt::print("Time lapse: {} ({} steps of wind and sand, {:.1f} Mcells/s, {:.0f} s)\n", act.video, act.steps,
+               act.mcells_per_s, act.seconds);
+    report["wind_and_sand"] = {
+        {"tiles", fmt::format("{},{},{},{}", act.region.x0, act.region.y0, act.region.x1, act.region.y1)},
+        {"steps", act.steps},
+        {"ms_per_step", act.ms_per_step},
+        {"mcells_per_s", act.mcells_per_s},
+        {"seconds", act.seconds},
+        {"video", act.video}};
+    return {};
+}
+
 Status run_demo(const Options& o) {
     const double begin = now_s();
     const fs::path out = o.out;
@@ -69,13 +97,14 @@ Status run_demo(const Options& o) {
     SAHEL_ASSIGN(auto gl, GlContext::headless());
     report["renderer"] = gl->info().renderer;
 
-    SAHEL_ASSIGN(const World world, make_world(o, out / "world"));
+    SAHEL_ASSIGN(World world, make_world(o, out / "world"));
     fmt::print("A world: preset {}, seed {}\n", o.preset, o.seed);
     SAHEL_ASSIGN(const Tour tour, plan_tour(world, o.seconds));
     SAHEL_TRY(tour.flight.save(world.folder() / "flight.json"));
     report["preset"] = o.preset;
     report["seed"] = o.seed;
     report["planning_s"] = now_s() - begin;
+    if (o.steps > 0) SAHEL_TRY(dune_act(o, world, tour, report));
 
     ViewSessionDesc desc;
     desc.width = o.width;
@@ -148,6 +177,9 @@ void add_demo_command(CommandLine& line) {
     app.add_option("--seed", o->seed, "Seed")->capture_default_str();
     app.add_option("--seconds", o->seconds, "Length of the flight")
         ->check(CLI::Range(1.0, 600.0))
+        ->capture_default_str();
+    app.add_option("--steps", o->steps, "Steps of wind and sand before the flight, 0: none")
+        ->check(CLI::Range(0, 100000))
         ->capture_default_str();
     app.add_option("--fps", o->fps, "Frames per second")->check(CLI::Range(1, 120))->capture_default_str();
     app.add_option("--samples", o->samples, "Pictures averaged into a frame, at most")

@@ -19,6 +19,9 @@ struct Options {
     std::string out = "experiments";
     int size = 0;
     int64_t steps = 0;
+    std::string part;
+    ParamOverrides<WindParams> wind;
+    ParamOverrides<SandParams> sand;
     bool quick = false, json = false, list = false;
 };
 
@@ -70,6 +73,9 @@ int run(const Options& o) {
     for (const Experiment* e : chosen) {
         Setup setup;
         setup.quick = o.quick;
+        setup.part = o.part;
+        setup.wind = o.wind;
+        setup.sand = o.sand;
         setup.extent = extent_of(*e, o.quick, o.size, o.steps);
         const double start = now_s();
         Result<Report> report = [&] {
@@ -110,9 +116,12 @@ void add_experiment_command(CommandLine& line) {
         ->check(CLI::Range(64, 8192));
     app.add_option("--steps", o->steps, "Steps of each run (default: the experiment's)")
         ->check(CLI::Range(int64_t{40}, int64_t{10000000}));
+    app.add_option("--part", o->part, "Only the parts whose names contain this (dunes: barchans, star, ...)");
     app.add_flag("--quick", o->quick, "Scaled down: seconds instead of minutes");
     app.add_flag("--list", o->list, "List the experiments");
     app.add_flag("--json", o->json, "Report as JSON");
+    add_params_options(app, "wind", o->wind); // what an experiment sets itself is changed too
+    add_params_options(app, "sand", o->sand);
 }
 
 } // namespace sahel::tools

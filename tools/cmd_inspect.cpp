@@ -1,4 +1,6 @@
+#include "streaming/region_run.h"
 #include "tools/command.h"
+#include "tools/report_ledger.h"
 #include "world/world.h"
 
 #include <fmt/format.h>
@@ -46,7 +48,21 @@ int run_info(const Options& o) {
         report["origin"] = fmt::format("{:.3f}, {:.3f}", desc.georeference->origin_x, desc.georeference->origin_y);
         report["datum_m"] = desc.georeference->datum_m;
     }
+    auto ledger = read_world_ledger(*world);
+    if (!ledger.ok()) return fail(ledger.error());
+    if (!ledger->book.tiles().empty()) {
+        if (o.json) {
+            nlohmann::ordered_json json = ledger_json(ledger->book, ledger->check, true);
+            for (const SimLayer layer : k_ledger_layers)
+                json["waiting"][std::string(info_of(layer).name)] = ledger->waiting[ledger_index(layer)];
+            report["ledger"] = std::move(json);
+        } else {
+            report["simulated_tiles"] = ledger->book.tiles().size();
+        }
+    }
     print_report(report, o.json);
+    if (!o.json) fmt::print("{}", ledger_text(ledger->book, &ledger->waiting));
+    if (!ledger->check.closed()) return fail({ErrorKind::corrupt, o.world + ": " + ledger->check.text});
     return 0;
 }
 
@@ -67,6 +83,11 @@ int run_verify(const Options& o) {
     ProgressBar bar("verify");
     auto report = world->verify([&](int64_t done, int64_t total) { bar.update(done, total); });
     if (!report.ok()) return fail(report.error());
+    if (report->issues.empty()) { // what is as it was written must also add up
+        auto wrong = verify_world_ledger(*world);
+        if (!wrong.ok()) return fail(wrong.error());
+        for (const std::string& what : *wrong) report->issues.push_back({"index.sqlite", what, false});
+    }
     nlohmann::ordered_json out;
     out["files_checked"] = report->files_checked;
     out["bytes_checked"] = report->bytes_checked;

@@ -1,3 +1,4 @@
+#include "streaming/simulation_params.h"
 #include "tools/command.h"
 #include "world/params_cli.h"
 #include "world/world.h"
@@ -32,6 +33,7 @@ int run(const Options& o) {
     desc.tile_cells = o.tile_cells;
     desc.cell_m = o.cell_m;
     o.terrain.apply(desc.terrain);
+    desc.simulation = simulation_json(default_simulation(desc));
     auto world = World::create(o.world, desc);
     if (!world.ok()) return fail(world.error());
     fmt::print("New world '{}' in {}: preset {}, seed {}, tiles of {} x {} cells of {} m\n", desc.name, o.world,

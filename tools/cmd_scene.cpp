@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -33,6 +34,8 @@ struct Options {
     int threads = 0;
     uint64_t seed = 1;
     bool until_quiet = false;
+    bool keep_sticky = false;
+    bool profile = false;
     bool json = false;
 };
 
@@ -102,6 +105,7 @@ int run_scene(const Options& o) {
     const Scene& scene = *loaded;
     SceneRunOptions options;
     options.ground.size = o.size;
+    options.ground.keep_sticky = o.keep_sticky;
     options.until_quiet = o.until_quiet;
     options.wind_every = o.wind_every;
     options.seed = o.seed;
@@ -117,6 +121,7 @@ int run_scene(const Options& o) {
         if (!opened.ok()) return fail(opened.error());
         video.emplace(*std::move(opened));
     }
+    record_launches(o.profile);
     double busy_s = 0.0;
     {
         ProgressBar bar(scene.name);
@@ -164,6 +169,7 @@ int run_scene(const Options& o) {
         print_report(j, false);
         for (const std::string& note : notes) fmt::print("note: {}\n", note);
     }
+    if (o.profile) std::fputs(launch_table(launch_records()).c_str(), o.json ? stderr : stdout);
     if (report->drift_ticks != 0) // never: amounts are whole ticks and each transfer is rounded once
         return fail(Error{ErrorKind::corrupt, fmt::format("{}: the books do not balance: {} ticks of solids appeared",
                                                           scene.name, report->drift_ticks)});
@@ -189,6 +195,8 @@ void add_scene_command(CommandLine& line) {
         ->capture_default_str();
     app.add_option("--fps", o->fps, "Its frames per second")->check(CLI::Range(1, 240))->capture_default_str();
     app.add_flag("--until-quiet", o->until_quiet, "Avalanches run until nothing slides, not for the file's sweeps");
+    app.add_flag("--keep-sticky", o->keep_sticky,
+                 "Take echo classes from the map, as the published program does: all cells of such scenes are sticky");
     app.add_option("--wind-every", o->wind_every, "Steps between two solutions of the wind")
         ->check(CLI::Range(1, 1024))
         ->capture_default_str();
@@ -196,6 +204,7 @@ void add_scene_command(CommandLine& line) {
     app.add_option("--threads", o->threads, "Threads; 0: as many as the machine has")
         ->check(CLI::Range(0, 256))
         ->capture_default_str();
+    app.add_flag("--profile", o->profile, "Print the time of each pass");
     app.add_flag("--json", o->json, "Report as JSON");
 }
 

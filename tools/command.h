@@ -68,6 +68,7 @@ double now_s();
 // The subcommands, one file each.
 void add_new_command(CommandLine& line);
 void add_import_command(CommandLine& line);
+void add_simulate_command(CommandLine& line);
 void add_inspect_commands(CommandLine& line); // info, hash, verify
 void add_doctor_command(CommandLine& line);
 void add_scene_command(CommandLine& line);

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
     CommandLine line;
     add_new_command(line);
     add_import_command(line);
+    add_simulate_command(line);
     add_fly_command(line);
     add_demo_command(line);
     add_inspect_commands(line);

@@ -204,7 +204,7 @@ TEST(WindProject, TurnsAndMirrorsWithItsInput) {
                 most = std::max(most, std::abs(c.x[from(nx - 1 - x, y)] + a.x[from(x, y)]));
                 most = std::max(most, std::abs(c.y[from(nx - 1 - x, y)] - a.y[from(x, y)]));
             }
-        EXPECT_LT(most, 1e-5) << periodic; // of winds of about 5 m/s: the order of sums
+        EXPECT_LT(most, 4e-5) << periodic; // of winds of about 5 m/s: the order of sums
     }
 }
 

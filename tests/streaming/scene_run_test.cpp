@@ -2,6 +2,7 @@
 #include "tests/streaming/scene_support.h"
 
 #include "world/executor.h"
+#include "world/exr_image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,7 +105,7 @@ TEST(SceneRunTest, ThreadsAndSizesAreFree) {
         SAHEL_CHECK(run.ok());
         for (int i = 0; i < 3; ++i) SAHEL_CHECK(run->step().ok());
         SAHEL_CHECK_EQ(run->width(), 256);
-        auto h = run->domain().hash(k_conserved_layers);
+        auto h = run->domain().hash({SimLayer::bedrock, SimLayer::sand, SimLayer::airborne_sand});
         SAHEL_CHECK(h.ok());
         set_thread_count(0);
         return *h;
@@ -121,6 +122,32 @@ TEST(SceneRunTest, ThreadsAndSizesAreFree) {
     ASSERT_TRUE(run.ok());
     EXPECT_EQ(run->aeolian().desc().sand.supply_radius_cells, 25);
     EXPECT_EQ(run->aeolian().desc().wind.epoch_steps, 1);
+}
+
+/// Every cell fully sticky: half the lift, and all that lands stays (Desertscape method 4.4).
+TEST(SceneRunTest, StickyMapsMayBeKept) {
+    const TemporaryFolder folder;
+    const auto file = folder.path() / "sticky.json";
+    Json json = scene_json("scene_dunes.json");
+    json["exportMaps"] = true;
+    json["initializationParameters"]["Sand"]["uniform_random"] = false;
+    json["initializationParameters"]["Sand"]["flat"] = true;
+    json["initializationParameters"]["Sand"]["bias"] = 5.0;
+    ASSERT_TRUE(write_file(file, json.dump()).ok());
+    ExrImage map{128, 64, {}};
+    for (const char* name : {"A", "B", "G", "R"})
+        map.planes.push_back({name, std::vector<float>(128 * 64, name[0] == 'A' ? 1.0f : 0.0f)});
+    ASSERT_TRUE(write_exr_image(file.string() + ".resistance.exr", map).ok());
+    for (const bool keep : {true, false}) {
+        auto run = make_run(file, {.ground = {.keep_sticky = keep}});
+        ASSERT_TRUE(run.ok()) << run.error().message;
+        for (int i = 0; i < 3; ++i) ASSERT_TRUE(run->step().ok());
+        const auto report = run->report();
+        ASSERT_TRUE(report.ok());
+        EXPECT_EQ(report->drift_ticks, 0);
+        // Of the 1 m that is lifted, 60 % land at once without classes: 0.4 + 0.16 + 0.064 m are in the air.
+        EXPECT_NEAR(report->airborne_mean_m, keep ? 0.0 : 0.624, 2e-3);
+    }
 }
 
 TEST(PublishedScenes, AHandfulRuns) {

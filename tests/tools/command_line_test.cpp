@@ -34,7 +34,8 @@ size_t lines_of(const std::string& text) {
 TEST_F(CommandLine, EverySubcommandHasHelp) {
     const Outcome top = run("--help");
     EXPECT_EQ(top.exit_code, 0);
-    for (const char* name : {"new", "import", "fly", "demo", "info", "hash", "verify", "bench", "doctor"}) {
+    for (const char* name : {"new", "import", "fly", "demo", "info", "hash", "verify", "bench", "doctor", "scene",
+                             "simulate", "experiment"}) {
         EXPECT_NE(top.output.find(name), std::string::npos) << name;
         const Outcome help = run(std::string(name) + " --help");
         EXPECT_EQ(help.exit_code, 0) << name;
@@ -43,7 +44,9 @@ TEST_F(CommandLine, EverySubcommandHasHelp) {
 }
 
 TEST_F(CommandLine, MistakesInTheCallExitWithTwoAndOneLine) {
-    for (const char* arguments : {"", "nosuch", "new", "info", "new W --seed x", "fly", "bench --nosuch"}) {
+    for (const char* arguments :
+         {"", "nosuch", "new", "info", "new W --seed x", "fly", "bench --nosuch", "experiment", "experiment nosuch",
+          "experiment columns --size 7", "experiment columns --size 100"}) {
         const Outcome outcome = run(arguments);
         EXPECT_EQ(outcome.exit_code, 2) << arguments << ": " << outcome.output;
         EXPECT_EQ(lines_of(outcome.output), 1u) << arguments << ": " << outcome.output;
@@ -109,4 +112,51 @@ TEST_F(CommandLine, BenchNamesTheMachineAndHashesItsResults) {
 }
 
 } // namespace
+
+TEST_F(CommandLine, SceneRunsAndReports) {
+    const std::string data = std::string(SAHEL_SOURCE_DIR) + "/tests/data/";
+    const fs::path out = folder_ / "pictures";
+    const Outcome good = run("scene " + data + "scene_dunes.json --steps 3 --out " + out.string());
+    EXPECT_EQ(good.exit_code, 0) << good.output;
+    EXPECT_NE(good.output.find("drift_ticks"), std::string::npos) << good.output;
+    EXPECT_NE(good.output.find("note: saltationMode Backward"), std::string::npos) << good.output;
+    for (const char* name :
+         {"height.png", "sand.png", "shadow.png", "wind.png", "sheet.png", "fields.exr", "report.json"})
+        EXPECT_GT(fs::file_size(out / name), 100u) << name;
+    const Outcome json = run("scene " + data + "scene_oasis.json --steps 0 --json");
+    EXPECT_EQ(json.exit_code, 0);
+    EXPECT_NE(json.output.find("\"drift_ticks\": 0"), std::string::npos) << json.output;
+    const Outcome lapse =
+        run("scene " + data + "scene_dunes.json --steps 4 --every 2 --video " + (folder_ / "frames").string());
+    EXPECT_EQ(lapse.exit_code, 0) << lapse.output;
+    EXPECT_TRUE(fs::exists(folder_ / "frames" / "frame_00002.png"));
+}
+
+TEST_F(CommandLine, SceneMistakesAreOneLine) {
+    const std::string data = std::string(SAHEL_SOURCE_DIR) + "/tests/data/";
+    const fs::path broken = folder_ / "broken.json";
+    std::ofstream(broken) << "{\"windSpeed\": ";
+    const fs::path wrong = folder_ / "wrong.json";
+    std::ofstream(wrong) << "{\"vegTypeCount\": 0, \"windSpeed\": 100}";
+    struct {
+        std::string arguments;
+        int exit_code;
+        const char* part;
+    } const cases[] = {
+        {"scene", 2, "FILE"},
+        {"scene /nonexistent.json", 1, "nonexistent"},
+        {"scene " + folder_.string(), 2, "folder"},
+        {"scene " + broken.string(), 1, "JSON"},
+        {"scene " + wrong.string(), 2, "windSpeed"},
+        {"scene " + data + "scene_dunes.json --size 100", 2, "multiples of 32"},
+        {"scene " + data + "scene_dunes.json --steps -1", 2, "steps"},
+        {"scene " + data + "scene_dunes.json --steps 1 --out /proc/nowhere", 1, "/proc"},
+    };
+    for (const auto& c : cases) {
+        const Outcome outcome = run(c.arguments);
+        EXPECT_EQ(outcome.exit_code, c.exit_code) << c.arguments << ": " << outcome.output;
+        EXPECT_NE(outcome.output.find(c.part), std::string::npos) << outcome.output;
+    }
+}
+
 } // namespace sahel::tools_test

@@ -23,6 +23,7 @@ struct BenchOptions {
     int tile_cells = 512; ///< side of the square that terrain cases make
 };
 
+void add_avalanche_benchmarks(const BenchOptions& options);
 void add_terrain_benchmarks(const BenchOptions& options);
 void add_sand_benchmarks(const BenchOptions& options);
 void add_store_benchmarks(const BenchOptions& options);

@@ -32,7 +32,7 @@ Result<Report> run_abrasion(const Setup& setup) {
     };
     desc.ground.bedrock_m = hill;
     desc.ground.sand_m = [](int32_t, int32_t) { return 1.0; };
-    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     const Plane before = run.bedrock();
     const int64_t ticks = run.solid_ticks();
     SAHEL_TRY(run.advance(setup.extent.steps, setup, 0.0, 1.0, "abrasion"));
@@ -79,7 +79,7 @@ Result<Report> run_abrasion(const Setup& setup) {
         report.pictures.push_back(
             {relief_picture(after), fmt::format("rock after {} steps, up to {:.1f} m", run.step(), largest_of(after))});
         report.pictures.push_back({ground_picture(run), "the ground with its sand"});
-        report.pictures.push_back({value_picture(after, wear, -double{largest_of(wear)}, largest_of(wear)),
+        report.pictures.push_back({value_picture(wear, 0.0, largest_of(wear), "wear", "m"),
                                    fmt::format("wear, up to {:.2f} m", largest_of(wear))});
     }
     return report;

@@ -52,6 +52,8 @@ Result<Report> run_bidirectional(const Setup& setup) {
     for (size_t c = first; c < k_covers.size(); ++c)
         for (const float angle : k_angles) {
             const Cover& cover = k_covers[c];
+            const std::string name = fmt::format("{}, {:.0f} deg", cover.name, angle);
+            if (!setup.wants(name)) continue;
             DuneRunDesc desc;
             desc.cells_x = desc.cells_y = setup.extent.size_cells;
             desc.cell_m = cell_m;
@@ -69,8 +71,7 @@ Result<Report> run_bidirectional(const Setup& setup) {
             desc.sand.supply_remove_m = 0.1f;
             desc.sand.supply_radius_cells =
                 std::max(100 * setup.extent.size_cells / 2048, 8); // the published share of ground
-            SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
-            const std::string name = fmt::format("{}, {:.0f} deg", cover.name, angle);
+            SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
             SAHEL_TRY(run.advance(setup.extent.steps, setup, done / runs, 1.0 / runs, name));
             done += 1.0;
             const Plane sand = run.sand();

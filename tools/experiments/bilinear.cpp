@@ -18,12 +18,8 @@ namespace sahel::experiments {
 
 namespace {
 
-/// Way of the centre of all sand along x, for each second and each metre of sand in the air.
-struct Drift {
-    double per_hop = 0.0; ///< m in a step
-};
-
-Result<double> drift_of(float speed_m_per_s, bool bilinear, int32_t n, int64_t steps) {
+/// Mean way of the centre of all sand along x in a step, m.
+Result<double> drift_of(const Setup& setup, float speed_m_per_s, bool bilinear, int32_t n, int64_t steps) {
     // A low mound on bare rock: no slope of it makes shelter.
     DuneRunDesc desc;
     desc.cells_x = n;
@@ -34,7 +30,7 @@ Result<double> drift_of(float speed_m_per_s, bool bilinear, int32_t n, int64_t s
         const double d = std::hypot(x - n / 2.0, y - 32.0) / 20.0;
         return 4.0 * std::exp(-0.5 * d * d);
     };
-    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     const auto phase = [&] { // on a circle, so that the seam does not matter
         const Plane all = sum_of(run.sand(), run.plane(SimLayer::airborne_sand));
         double c = 0.0, s = 0.0;
@@ -59,12 +55,12 @@ Status short_hops(const Setup& setup, Report& report) {
     plot.x = {"hop [cells]", false, 0.0, 1.05};
     plot.y = {"way of all sand in a step [m]", false, 0.0, {}};
     plot.series = {{"bilinear", {}, plot_colour(0), false}, {"nearest", {}, plot_colour(1), false}};
-    SAHEL_ASSIGN(const double whole, drift_of(1.0f, true, 128, 40)); // one whole cell: no sampling is in it
+    SAHEL_ASSIGN(const double whole, drift_of(setup, 1.0f, true, 128, 40)); // one whole cell: no sampling is in it
     double worst = 0.0, nearest_most = 0.0;
     for (const float hop : {0.1f, 0.2f, 0.3f, 0.4f}) {
         setup.tell(0.3 * static_cast<double>(hop), "short hops");
-        SAHEL_ASSIGN(const double fine, drift_of(hop, true, 128, 40));
-        SAHEL_ASSIGN(const double coarse, drift_of(hop, false, 128, 40));
+        SAHEL_ASSIGN(const double fine, drift_of(setup, hop, true, 128, 40));
+        SAHEL_ASSIGN(const double coarse, drift_of(setup, hop, false, 128, 40));
         const double expected = whole * static_cast<double>(hop);
         worst = std::max(worst, std::abs(fine / expected - 1.0));
         nearest_most = std::max(nearest_most, std::abs(coarse));
@@ -122,7 +118,7 @@ Status closed_strips(const Setup& setup, Report& report) {
             desc.sand.echo_max_cliff_m = 15.0f;
             desc.ground.bedrock_m = [=](int32_t x, int32_t y) { return o.holds(x, y) ? 100.0 : 0.0; };
             desc.ground.object = [=](int32_t x, int32_t y) { return o.holds(x, y); };
-            SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+            SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
             SAHEL_TRY(run.advance(1));
             const Plane echo = run.plane(SimLayer::echo);
             const double share = holes_at(echo, o, angle, double{desc.sand.echo_erosion_range} * 15.0);
@@ -131,7 +127,7 @@ Status closed_strips(const Setup& setup, Report& report) {
             plot.series[fine ? 0 : 1].points.push_back({static_cast<double>(angle), share});
             if (setup.pictures && angle == 30)
                 report.pictures.push_back(
-                    {value_picture(run.surface(), echo, -1.0, 1.0),
+                    {value_picture(echo, -1.0, 1.0, "echo class", ""),
                      fmt::format("wind at 30 deg, {} cliffs: blue erosion, red calm (E3)\nholes {:.1f} % of the strip",
                                  fine ? "bilinear" : "nearest", 100.0 * share)});
         }
@@ -161,7 +157,7 @@ Status bent_wind(const Setup& setup, Report& report) {
         desc.ground.sand_m = [=](int32_t x, int32_t y) {
             return o.holds(x, y) ? 0.0 : 4.0 + 2.0 * cell_noise(4, x, y);
         };
-        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
         SAHEL_TRY(run.advance(setup.extent.steps, setup, fine ? 0.5 : 0.75, 0.25, "bent wind"));
         const Plane sand = run.sand();
         const CellMask open = CellMask::made(n, n, 1.0, [&](int32_t x, int32_t y) { return sand.at(x, y) > 0.5f; });
@@ -183,9 +179,9 @@ Result<Report> run_bilinear(const Setup& setup) {
     Report report;
     report.columns = 3;
     report.picture_px = 420;
-    SAHEL_TRY(short_hops(setup, report));
-    SAHEL_TRY(closed_strips(setup, report));
-    SAHEL_TRY(bent_wind(setup, report));
+    if (setup.wants("short hops")) SAHEL_TRY(short_hops(setup, report));
+    if (setup.wants("strips at cliffs")) SAHEL_TRY(closed_strips(setup, report));
+    if (setup.wants("bent wind")) SAHEL_TRY(bent_wind(setup, report));
     return report;
 }
 

@@ -15,7 +15,7 @@ namespace sahel::experiments {
 namespace {
 
 Result<DuneRun> run_kind(const Setup& setup, Stretch work, const DuneRunDesc& desc, int64_t steps, const char* name) {
-    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     SAHEL_TRY(run.advance(steps, setup, work.share, work.part, name));
     return run;
 }

@@ -38,7 +38,7 @@ Status nabkhas(const Setup& setup, Stretch work, Report& report) {
         const double d = std::hypot(shifted - (column + 0.5) * pitch - jx, y + 0.5 - (row + 0.5) * pitch - jy);
         return std::clamp(1.5 * (1.0 - d / k_radius), 0.0, 0.9);
     };
-    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     SAHEL_TRY(run.advance(setup.extent.steps / 2, setup, work.share, work.part, "nabkhas"));
     const Plane sand = run.sand();
     double inside = 0.0, outside = 0.0, inside_cells = 0.0, outside_cells = 0.0, lee = 0.0, lee_cells = 0.0,
@@ -84,7 +84,7 @@ Status echo_dune(const Setup& setup, Stretch work, Report& report) {
     desc.ground.bedrock_m = [=](int32_t x, int32_t y) { return o.holds(x, y) ? 40.0 : 0.0; };
     desc.ground.object = [=](int32_t x, int32_t y) { return o.holds(x, y, 2); };
     desc.ground.sand_m = [=](int32_t x, int32_t y) { return o.holds(x, y) ? 0.0 : 1.0 + 2.0 * cell_noise(3, x, y); };
-    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     SAHEL_TRY(run.advance(setup.extent.steps, setup, work.share, work.part, "echo dune"));
     const Plane sand = run.sand();
     const double start = mean_of(Plane::made(desc.cells_x, desc.cells_y, 1.0, desc.ground.sand_m));
@@ -133,7 +133,7 @@ Status dunes_round_obstacle(const Setup& setup, Stretch work, Report& report) {
     desc.ground.bedrock_m = [=](int32_t x, int32_t y) { return o.holds(x, y) ? 40.0 : 0.0; };
     desc.ground.object = [=](int32_t x, int32_t y) { return o.holds(x, y, 2); };
     desc.ground.sand_m = [=](int32_t x, int32_t y) { return o.holds(x, y) ? 0.0 : 6.0 + 2.0 * cell_noise(4, x, y); };
-    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     SAHEL_TRY(run.advance(setup.extent.steps, setup, work.share, work.part, "dunes round an obstacle"));
     const Plane sand = run.sand();
     const Plane wx = run.plane(SimLayer::wind_x);

@@ -31,7 +31,9 @@ double cell_noise(uint64_t seed, int32_t x, int32_t y) {
     return static_cast<double>(h >> 11) * 0x1.0p-53;
 }
 
-Result<DuneRun> DuneRun::create(const DuneRunDesc& desc) {
+Result<DuneRun> DuneRun::create(DuneRunDesc desc, const Setup& setup) {
+    setup.wind.apply(desc.wind);
+    setup.sand.apply(desc.sand);
     DuneRun run;
     run.desc_ = desc;
     Aeolian::Desc aeolian;

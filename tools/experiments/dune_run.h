@@ -37,8 +37,8 @@ Plane plane_of(const TileDomain& domain, SimLayer layer, double cell_m);
 
 class DuneRun {
   public:
-    /// Errors: usage, budget.
-    static Result<DuneRun> create(const DuneRunDesc& desc);
+    /// The run of a description, with what the setup changes of it. Errors: usage, budget.
+    static Result<DuneRun> create(DuneRunDesc desc, const Setup& setup);
 
     /// Advances by so many steps.
     Status advance(int64_t steps);

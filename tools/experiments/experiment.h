@@ -1,6 +1,9 @@
 #pragma once
 
 #include "render/png_io.h"
+#include "sim/sand_params.h"
+#include "sim/wind_params.h"
+#include "world/params_cli.h"
 #include "world/result.h"
 
 #include <nlohmann/json.hpp>
@@ -73,9 +76,13 @@ struct Setup {
     bool quick = false;
     Extent extent;
     bool pictures = true;
+    std::string part;                ///< only parts whose names contain it (experiments of several parts)
+    ParamOverrides<WindParams> wind; ///< on top of what every run says; verdicts then are for the changed model
+    ParamOverrides<SandParams> sand;
     /// Told now and then: share of the work, 0 to 1, and what is done.
     std::function<void(double, const std::string&)> progress;
 
+    [[nodiscard]] bool wants(std::string_view name) const { return name.find(part) != std::string_view::npos; }
     void tell(double share, const std::string& what) const {
         if (progress) progress(share, what);
     }

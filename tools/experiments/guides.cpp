@@ -44,16 +44,17 @@ Result<Report> run_guides(const Setup& setup) {
     report.picture_px = 420;
     double done = 0.0, total = 0.0;
     for (const Guide& g : k_guides)
-        if (!setup.quick || g.quick) total += double(g.cells) * g.cells * double(g.steps) * g.sweeps;
+        if ((!setup.quick || g.quick) && setup.wants(g.name))
+            total += double(g.cells) * g.cells * double(g.steps) * g.sweeps;
     for (const Guide& g : k_guides) {
-        if (setup.quick && !g.quick) continue;
+        if ((setup.quick && !g.quick) || !setup.wants(g.name)) continue;
         DuneRunDesc desc;
         desc.cells_x = desc.cells_y = g.cells;
         desc.cell_m = g.cell_m;
         desc.wind = published_wind(g.speed_m_per_s);
         desc.sand = published_sand(g.sweeps, g.smoothing);
         desc.ground = noisy_sheet(g.least_m, g.most_m);
-        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
         const int64_t before = run.solid_ticks();
         const double part = double(g.cells) * g.cells * double(g.steps) * g.sweeps / total;
         SAHEL_TRY(run.advance(g.steps, setup, done, part, g.name));

@@ -44,7 +44,7 @@ Result<Report> run_migration(const Setup& setup) {
         for (const Cone& c : cones) s = std::max(s, c.height_m - 0.6 * std::hypot(x + 0.5 - c.x, cy + 0.5 - c.y));
         return s;
     };
-    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+    SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     const int64_t settle = setup.extent.steps / 2;
     SAHEL_TRY(run.advance(settle, setup, 0.0, 0.5, "settling"));
     constexpr double k_threshold = 0.5;

@@ -2,14 +2,16 @@
 
 #include "tools/experiments/dune_run.h"
 
-/// Pictures of runs from above: relief shaded from the north-west, sand on rock, plants, objects.
+#include <string>
+
+/// Pictures of runs from above, by render/field_picture.h.
 namespace sahel::experiments {
 
-/// A relief of one material, coloured by height.
+/// A relief of one material.
 Image relief_picture(const Plane& height_m);
-/// The ground of a run: rock grey, thin sand between rock and sand, plants green, objects red.
+/// The ground of a run: rock, sand, plants, objects.
 Image ground_picture(const DuneRun& run);
-/// Values over a shaded relief, from blue (low) over white to red (high).
-Image value_picture(const Plane& height_m, const Plane& values, double low, double high);
+/// Values in colours with a scale: around 0 from blue to red, else from dark to bright.
+Image value_picture(const Plane& values, double low, double high, const std::string& title, const std::string& unit);
 
 } // namespace sahel::experiments

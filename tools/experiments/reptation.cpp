@@ -42,7 +42,7 @@ Result<Report> run_reptation(const Setup& setup) {
         desc.wind = published_wind(3.0f);
         desc.sand = published_sand(31, r.smoothing);
         desc.ground = noisy_sheet(3.0, 5.0);
-        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
         const double share = done / k_series.size();
         SAHEL_TRY(run.advance(setup.extent.steps - 1, setup, share, 1.0 / k_series.size(),
                               fmt::format("k_r = {}", r.smoothing)));

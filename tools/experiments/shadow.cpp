@@ -27,7 +27,7 @@ Result<Report> run_shadow(const Setup& setup) {
         desc.sand.reptation_smooth = 1.0f;
         desc.sand.shadow_curved = curved == 1;
         desc.ground = noisy_sheet(0.5, 2.0);
-        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
         const char* name = curved ? "along the bent wind" : "along a line";
         SAHEL_TRY(run.advance(setup.extent.steps, setup, 0.5 * curved, 0.5, name));
         const Plane sand = run.sand();

@@ -37,7 +37,7 @@ Result<Report> run_timestep(const Setup& setup) {
     for (size_t i = 0; i < k_steps.size(); ++i) {
         desc.sand.step_s = k_steps[i];
         desc.wind.epoch_steps = std::max(static_cast<int>(8.0f / k_steps[i]), 1); // an epoch is 8 s
-        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
         const int64_t steps = std::lround(time_s / static_cast<double>(k_steps[i]));
         SAHEL_TRY(
             run.advance(steps, setup, 0.25 * static_cast<double>(i), 0.25, fmt::format("steps of {} s", k_steps[i])));

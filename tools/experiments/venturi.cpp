@@ -36,7 +36,7 @@ Result<Report> run_venturi(const Setup& setup) {
         desc.wind.project = projected == 1;
         desc.ground.bedrock_m = hills;
         desc.ground.sand_m = [](int32_t, int32_t) { return 20.0; };
-        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc));
+        SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
         const char* name = projected ? "projected" : "not projected";
         SAHEL_TRY(run.advance(1));
         const Plane wx = run.plane(SimLayer::wind_x);
@@ -52,10 +52,10 @@ Result<Report> run_venturi(const Setup& setup) {
         if (setup.pictures) {
             report.pictures.push_back({ground_picture(run), fmt::format("{}\nmean thickness varies by {:.2f} m", name,
                                                                         gathered[static_cast<size_t>(projected)])});
+            report.pictures.push_back({value_picture(thick, 10.0, 30.0, "mean thickness of sand", "m"),
+                                       "mean thickness of sand, 10 to 30 m"});
             report.pictures.push_back(
-                {value_picture(run.surface(), thick, 10.0, 30.0), "mean thickness of sand, 10 to 30 m"});
-            report.pictures.push_back(
-                {value_picture(run.surface(), div, -0.2, 0.2), "divergence of the first wind, -0.2 to 0.2 1/s"});
+                {value_picture(div, -0.2, 0.2, "divergence", "1/s"), "divergence of the first wind, -0.2 to 0.2 1/s"});
         }
     }
     report.require("divergence of the wind, projected over not", divergence[1] / divergence[0], "", 0.0, 0.2);
