@@ -45,6 +45,9 @@ SAHEL_HD Ints floor(Reals v) {
 SAHEL_HD Reals max(Reals a, Reals b) {
     return a > b ? a : b;
 }
+SAHEL_HD Ints max(Ints a, Ints b) {
+    return a > b ? a : b;
+}
 SAHEL_HD Reals clamp(Reals v, float low, float high) {
     const Reals l = Reals{} + low;
     const Reals h = Reals{} + high;

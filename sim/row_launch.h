@@ -43,18 +43,5 @@ template <class F> void launch_rows(const Launch& l, int32_t rows_per_block, con
                        &work);
 }
 
-/// f(x, w) for pieces of [x0, x1) of w = k_wide cells; the last one reaches back over cells done before (kernels
-/// that only write may do that), and a row that is shorter is one piece.
-template <int32_t k_wide, class F>
-inline __attribute__((always_inline)) void for_each_piece(int32_t x0, int32_t x1, const F& f) {
-    if (x1 - x0 < k_wide) {
-        f(x0, x1 - x0);
-        return;
-    }
-    int32_t x = x0;
-    for (; x + k_wide <= x1; x += k_wide) f(x, k_wide);
-    if (x < x1) f(x1 - k_wide, k_wide);
-}
-
 } // namespace SAHEL_EXECUTOR_NAMESPACE
 } // namespace sahel

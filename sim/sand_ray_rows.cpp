@@ -23,14 +23,21 @@ struct Strips {
         first = r.x0 - reach;
         const int32_t columns = r.x1 + reach - first;
         wide = (columns + k_most - 1) / k_most;
-        wide = wide < k_wide ? k_wide : wide;
+        wide = wide < 16 ? 16 : wide;
         for (int32_t i = 0; i * wide < columns; ++i) {
             const int32_t x1 = (i + 1) * wide < columns ? (i + 1) * wide : columns;
             int32_t most = INT32_MIN;
-            for (int32_t y = r.y0 - reach; y < r.y1 + reach; ++y) {
-                const int32_t* row = surface.row(s, y) + first;
-                for (int32_t x = i * wide; x < x1; ++x) most = row[x] > most ? row[x] : most;
-            }
+            lanes::Ints lane = lanes::Ints{} + most;
+            int32_t x = i * wide;
+            for (; x + lanes::k_count <= x1; x += lanes::k_count)
+                for (int32_t y = r.y0 - reach; y < r.y1 + reach; ++y)
+                    lane = lanes::max(lane, lanes::load(surface.row(s, y) + first + x));
+            for (; x < x1; ++x)
+                for (int32_t y = r.y0 - reach; y < r.y1 + reach; ++y) {
+                    const int32_t h = surface(s, first + x, y);
+                    most = h > most ? h : most;
+                }
+            for (int32_t k = 0; k < lanes::k_count; ++k) most = lane[k] > most ? lane[k] : most;
             highest[i] = most;
         }
     }
@@ -43,9 +50,10 @@ struct Strips {
 };
 
 struct ShadowRows {
-    static constexpr int32_t k_table = 64;
+    static constexpr int32_t k_table = 128;
+    static constexpr int32_t k_chunk = 256;
     WindShadowPass f;
-    float per_tick[k_table + 1]; // of the first samples: a division each
+    float per_tick[k_table + 1]; // a division each
 
     explicit ShadowRows(const WindShadowPass& pass) : f(pass) {
         for (int32_t k = 1; k <= k_table; ++k) per_tick[k] = f.per_tick(k);
@@ -60,18 +68,11 @@ struct ShadowRows {
         return 1.001f * static_cast<float>(int64_t{strips.above(x - reach, x + k_wide + reach)} - lowest);
     }
 
-    inline __attribute__((always_inline)) void piece(const Strips& strips, int32_t s, int32_t x, int32_t y) const {
+    // One piece; (along_x, along_y): the direction of its wind.
+    inline __attribute__((always_inline)) void piece(const Strips& strips, int32_t s, int32_t x, int32_t y,
+                                                     const float* along_x, const float* along_y) const {
         const int32_t* surface = f.surface.row(s, y) + x;
         const int64_t stride = f.surface.stride;
-        alignas(32) float along_x[k_wide];
-        alignas(32) float along_y[k_wide];
-        const float* wind_x = f.wind_x.row(s, y) + x;
-        const float* wind_y = f.wind_y.row(s, y) + x;
-        for (int32_t j = 0; j < k_wide; ++j) {
-            const WindDirection d = WindDirection::of(wind_x[j], wind_y[j]);
-            along_x[j] = d.x;
-            along_y[j] = d.y;
-        }
         const lanes::Reals dx = lanes::load(along_x);
         const lanes::Reals dy = lanes::load(along_y);
         const lanes::Ints here = lanes::load(surface);
@@ -83,7 +84,7 @@ struct ShadowRows {
         for (int32_t k = 1; k <= f.samples; ++k) {
             // From here on no sample is steeper than this. Where all lanes are there already, or in full shelter, the
             // rest of the way changes nothing.
-            const float slope = k <= k_table ? per_tick[k] : f.per_tick(k);
+            const float slope = per_tick[k];
             if (!lanes::any(steepest < lanes::Reals{} + det::min(most * slope, full))) break;
             px -= dx;
             py -= dy;
@@ -114,14 +115,23 @@ struct ShadowRows {
     void operator()(int32_t s, const LocalRect& r) const {
         Strips strips;
         strips.measure(f.surface, s, r, WindShadowPass::radius(f.samples));
+        alignas(64) float along_x[k_chunk];
+        alignas(64) float along_y[k_chunk];
         for (int32_t y = r.y0; y < r.y1; ++y)
-            for_each_piece<k_wide>(
-                r.x0, r.x1, [&](int32_t x, int32_t w) __attribute__((always_inline)) {
-                    if (w == k_wide)
-                        piece(strips, s, x, y);
-                    else
-                        for (int32_t i = x; i < x + w; ++i) f(s, i, y);
-                });
+            for (int32_t x0 = r.x0; x0 < r.x1; x0 += k_chunk) {
+                const int32_t w = x0 + k_chunk < r.x1 ? k_chunk : r.x1 - x0;
+                const float* wind_x = f.wind_x.row(s, y) + x0;
+                const float* wind_y = f.wind_y.row(s, y) + x0;
+                SAHEL_VECTORIZE
+                for (int32_t j = 0; j < w; ++j) {
+                    const WindDirection d = WindDirection::of(wind_x[j], wind_y[j]);
+                    along_x[j] = d.x;
+                    along_y[j] = d.y;
+                }
+                int32_t j = 0;
+                for (; j + k_wide <= w; j += k_wide) piece(strips, s, x0 + j, y, along_x + j, along_y + j);
+                for (; j < w; ++j) f(s, x0 + j, y);
+            }
     }
 };
 
@@ -165,7 +175,7 @@ struct EchoRows {
 } // namespace
 
 void run_wind_shadow(const Launch& l, const WindShadowPass& f) {
-    if (f.curved || !f.bilinear_samples)
+    if (f.curved || !f.bilinear_samples || f.samples > ShadowRows::k_table)
         launch(l, f);
     else
         launch_rows(l, 32, ShadowRows(f));

@@ -183,8 +183,8 @@ std::vector<std::pair<std::string, Aeolian::Desc>> parameter_sets() {
 
 TEST(Aeolian, NoTickIsLostNoSandNegativeNoNumberMissing) {
     for (const auto& [name, desc] : parameter_sets()) {
-        const Landscape land{128};
-        TileDomain d = make_periodic(128, {.tile_cells = 128, .halo = 16, .v3 = true}, Aeolian::layers(desc));
+        const Landscape land{64};
+        TileDomain d = make_periodic(64, {.tile_cells = 64, .halo = 16, .v3 = true}, Aeolian::layers(desc));
         land.put(d);
         const int64_t start = mass_of(d);
         Aeolian aeolian = Aeolian::create(desc, d).value();
@@ -194,8 +194,8 @@ TEST(Aeolian, NoTickIsLostNoSandNegativeNoNumberMissing) {
         }
         EXPECT_EQ(mass_of(d), start) << name;
         int bad = 0;
-        for (int32_t y = 0; y < 128; ++y)
-            for (int32_t x = 0; x < 128; ++x) {
+        for (int32_t y = 0; y < 64; ++y)
+            for (int32_t x = 0; x < 64; ++x) {
                 bad += std::as_const(d).ints(SimLayer::sand)(0, x, y) < 0;
                 bad += std::as_const(d).ints(SimLayer::soil)(0, x, y) < 0;
                 bad += std::as_const(d).ints(SimLayer::airborne_sand)(0, x, y) < 0;
@@ -319,6 +319,7 @@ TEST(Aeolian, SandLeavesOverAnOpenBorderAndIsCounted) {
 
 // The same 100 s in steps of other lengths.
 TEST(Aeolian, HalvingTheStepChangesLittle) {
+    constexpr int32_t k_side = 64;
     struct Figures {
         double flux = 0.0;
         double deviation = 0.0;
@@ -329,8 +330,8 @@ TEST(Aeolian, HalvingTheStepChangesLittle) {
         desc.sand.lift_rate_m_per_s = lift;
         desc.sand.step_s = dt;
         desc.sand.avalanche_sweeps = 0;
-        const Landscape land{128, 1.0f, false};
-        TileDomain d = make_periodic(128, {.tile_cells = 128, .halo = 16, .v3 = true}, Aeolian::layers(desc));
+        const Landscape land{k_side, 1.0f, false};
+        TileDomain d = make_periodic(k_side, {.tile_cells = k_side, .halo = 16, .v3 = true}, Aeolian::layers(desc));
         land.put(d);
         Aeolian aeolian = Aeolian::create(desc, d).value();
         const auto steps = static_cast<int64_t>(std::lround(100.0f / dt));
@@ -339,19 +340,19 @@ TEST(Aeolian, HalvingTheStepChangesLittle) {
             EXPECT_TRUE(aeolian.step(d, step).ok());
             const auto b = std::as_const(d).reals(SimLayer::bounce);
             const auto wx = std::as_const(d).reals(SimLayer::wind_x);
-            for (int32_t y = 0; y < 128; ++y)
-                for (int32_t x = 0; x < 128; ++x)
+            for (int32_t y = 0; y < k_side; ++y)
+                for (int32_t x = 0; x < k_side; ++x)
                     f.flux += static_cast<double>(b(0, x, y)) * static_cast<double>(wx(0, x, y));
         }
-        f.flux /= 128.0 * 128.0 * static_cast<double>(steps);
+        f.flux /= double{k_side} * k_side * static_cast<double>(steps);
         double mean = 0.0;
-        for (int32_t y = 0; y < 128; ++y)
-            for (int32_t x = 0; x < 128; ++x) {
+        for (int32_t y = 0; y < k_side; ++y)
+            for (int32_t x = 0; x < k_side; ++x) {
                 f.sand.push_back(metres_of_ticks(std::as_const(d).ints(SimLayer::sand)(0, x, y)));
-                mean += static_cast<double>(f.sand.back()) / (128.0 * 128.0);
+                mean += static_cast<double>(f.sand.back()) / (double{k_side} * k_side);
             }
         for (const float s : f.sand) f.deviation += (static_cast<double>(s) - mean) * (static_cast<double>(s) - mean);
-        f.deviation = std::sqrt(f.deviation / (128.0 * 128.0));
+        f.deviation = std::sqrt(f.deviation / (double{k_side} * k_side));
         return f;
     };
     const RestoreMachine restore;
