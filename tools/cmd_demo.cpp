@@ -38,7 +38,9 @@ Result<World> make_world(const Options& o, const fs::path& folder) {
     desc.preset = o.preset;
     desc.terrain = terrain;
     desc.tile_cells = 512;
-    desc.simulation = simulation_json(default_simulation(desc));
+    SimulationParams simulation = default_simulation(desc);
+    simulation.sand.avalanche_sweeps = 20; // a fixed count: steep rock under thin sand is never wholly quiet
+    desc.simulation = simulation_json(simulation);
     return World::create(folder, desc);
 }
 
