@@ -30,7 +30,9 @@ TEST(Report, HoldsOnlyIfEveryBoundHolds) {
 
 TEST(Report, SaysItToPeopleAndPrograms) {
     const Experiment& e = experiments()[0];
-    const experiments::Setup setup{.quick = true, .extent = {64, 100}};
+    experiments::Setup setup;
+    setup.quick = true;
+    setup.extent = {64, 100};
     const std::string good = report_text(e, setup, two_numbers(3.0));
     EXPECT_NE(good.find("bounded"), std::string::npos);
     EXPECT_NE(good.find("0 to 15"), std::string::npos);
@@ -68,7 +70,8 @@ TEST(Experiments, HaveNamesAndRefuseSizes) {
         EXPECT_TRUE(names.insert(e.name).second) << e.name;
         EXPECT_EQ(experiment_named(e.name), &e);
         EXPECT_LE(e.quick.size_cells, e.full.size_cells) << e.name;
-        experiments::Setup setup{.quick = true};
+        experiments::Setup setup;
+        setup.quick = true;
         setup.extent = extent_of(e, true, 100);
         const auto refused = run_experiment(e, setup);
         ASSERT_FALSE(refused.ok()) << e.name;
@@ -86,7 +89,10 @@ TEST_P(Quick, HoldsItsBounds) {
     if (!std::getenv("SAHEL_LONG_TESTS")) GTEST_SKIP() << "runs with SAHEL_LONG_TESTS=1";
     const Experiment* e = experiment_named(GetParam());
     ASSERT_NE(e, nullptr);
-    experiments::Setup setup{.quick = true, .extent = extent_of(*e, true), .pictures = false};
+    experiments::Setup setup;
+    setup.quick = true;
+    setup.extent = extent_of(*e, true);
+    setup.pictures = false;
     const Result<Report> report = run_experiment(*e, setup);
     ASSERT_TRUE(report.ok()) << report.error().message;
     EXPECT_TRUE(report->holds()) << report_text(*e, setup, *report);
