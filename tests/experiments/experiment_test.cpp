@@ -104,7 +104,7 @@ TEST_P(Quick, HoldsItsBounds) {
 INSTANTIATE_TEST_SUITE_P(Experiments, Quick,
                          testing::Values("columns", "dunes", "bidirectional", "migration", "reptation", "bilinear",
                                          "shadow", "venturi", "abrasion", "vegetation", "timestep", "guides"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& test) { return std::string(test.param); });
 
 } // namespace
 } // namespace sahel::experiments
