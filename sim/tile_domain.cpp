@@ -252,22 +252,15 @@ Status TileDomain::fill_edges(SimLayerSet layers) {
     return status;
 }
 
-const Launch& TileDomain::launch(int32_t margin, bool with_frozen, const char* name) {
-    const bool frozen = with_frozen && plan_.has_frozen();
-    CoverList& cover = covers_[2 * margin + (frozen ? 1 : 0)];
-    if (cover.items.empty()) {
-        std::vector<LocalRect> rects;
-        Launch l;
-        l.bounds = {tile_cells(), tile_cells(), 0, 0};
-        for (int32_t slot = 0; slot < slots(); ++slot) {
-            rects.clear();
-            plan_.cover(slot, margin, frozen, rects);
-            for (const LocalRect& r : rects) {
-                cover.items.push_back({slot, r});
-                l.cells += r.area();
-                l.bounds = {std::min(l.bounds.x0, r.x0), std::min(l.bounds.y0, r.y0), std::max(l.bounds.x1, r.x1),
-                            std::max(l.bounds.y1, r.y1)};
-            }
+const Launch& TileDomain::finished(CoverList& cover, const char* name) {
+    Launch& l = cover.launch;
+    if (l.items == nullptr && !cover.items.empty()) {
+        l.bounds = cover.items.front().rect;
+        for (const WorkItem& item : cover.items) {
+            const LocalRect& r = item.rect;
+            l.cells += r.area();
+            l.bounds = {std::min(l.bounds.x0, r.x0), std::min(l.bounds.y0, r.y0), std::max(l.bounds.x1, r.x1),
+                        std::max(l.bounds.y1, r.y1)};
         }
         l.items = cover.items.data();
         l.count = static_cast<int32_t>(cover.items.size());
@@ -277,11 +270,33 @@ const Launch& TileDomain::launch(int32_t margin, bool with_frozen, const char* n
             cover.device_items = std::move(buffer).value();
             l.device_items = static_cast<const WorkItem*>(cover.device_items.data());
         }
-        cover.launch = l;
     }
-    cover.launch.name = name;
-    cover.launch.order = order_;
-    return cover.launch;
+    l.name = name;
+    l.order = order_;
+    return l;
+}
+
+const Launch& TileDomain::launch(int32_t margin, bool with_frozen, const char* name) {
+    const bool frozen = with_frozen && plan_.has_frozen();
+    CoverList& cover = covers_[2 * margin + (frozen ? 1 : 0)];
+    if (cover.items.empty()) {
+        std::vector<LocalRect> rects;
+        for (int32_t slot = 0; slot < slots(); ++slot) {
+            rects.clear();
+            plan_.cover(slot, margin, frozen, rects);
+            for (const LocalRect& r : rects) cover.items.push_back({slot, r});
+        }
+    }
+    return finished(cover, name);
+}
+
+const Launch& TileDomain::frozen_launch(const char* name) {
+    CoverList& cover = covers_[-1];
+    if (cover.items.empty() && halo() > 0)
+        for (int32_t slot = 0; slot < slots(); ++slot)
+            for (int k = 0; k < k_direction_count; ++k)
+                if (plan_.border(slot, k) == Border::frozen) cover.items.push_back({slot, plan_.segment(k)});
+    return finished(cover, name);
 }
 
 Result<std::vector<int64_t>> TileDomain::sums(SimLayer layer) const {

@@ -90,6 +90,8 @@ class TileDomain {
 
     /// The launch over owned cells and `margin` halo cells.
     [[nodiscard]] const Launch& launch(int32_t margin, bool with_frozen, const char* name);
+    /// The launch over the whole of every frozen segment.
+    [[nodiscard]] const Launch& frozen_launch(const char* name);
     void set_order(VisitOrder order) { order_ = order; }
     [[nodiscard]] VisitOrder order() const { return order_; }
 
@@ -134,6 +136,8 @@ class TileDomain {
         return {reinterpret_cast<T*>(w.origin), w.stride, w.slot_stride, w.first, w.last};
     }
     [[nodiscard]] size_t flow_index(SimLayer layer) const; ///< among the domain's conserved layers
+    struct CoverList;
+    const Launch& finished(CoverList& cover, const char* name);
     struct CoverList {
         std::vector<WorkItem> items;
         Buffer device_items;

@@ -39,7 +39,7 @@ Result<World> make_world(const Options& o, const fs::path& folder) {
     desc.terrain = terrain;
     desc.tile_cells = 512;
     SimulationParams simulation = default_simulation(desc);
-    simulation.sand.avalanche_sweeps = 20; // a fixed count: steep rock under thin sand is never wholly quiet
+    simulation.sand.avalanche_max_sweeps = 24; // a bound: sand that lies on steep rock slides for long
     desc.simulation = simulation_json(simulation);
     return World::create(folder, desc);
 }
