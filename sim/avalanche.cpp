@@ -150,6 +150,10 @@ SimLayerSet avalanche_layers() {
     return layers;
 }
 
+uint64_t avalanche_bytes(uint64_t slots) {
+    return (2 * slots + 63) / 64 * 64; // whole cache lines, as memory is taken
+}
+
 Status avalanche(TileDomain& domain, const SandParams& params, double cell_m, AvalancheKind kind,
                  const AvalancheOptions& options, AvalancheStats* stats) {
     const bool until_quiet = kind == AvalancheKind::sand && params.avalanche_sweeps == 0;

@@ -38,6 +38,8 @@ struct AvalancheOptions {
 
 /// Layers that `avalanche` needs of a domain beside bedrock, soil, sand and repose. They hold nothing between calls.
 SimLayerSet avalanche_layers();
+/// What a host domain keeps for avalanches beside its layers, exactly: which borders are closed, and which are walls.
+uint64_t avalanche_bytes(uint64_t slots);
 
 /// Relaxes one material of the whole domain; exchanges halos itself. `cell_m`: side of a cell. What crosses borders is
 /// accounted when the domain keeps flows: on the layer that receives (rock that falls as sand: on the sand).

@@ -428,7 +428,7 @@ int64_t TileDomain::source(LedgerSource source, SimLayer layer, int32_t slot) co
 
 Result<void*> TileDomain::scratch(const std::string& name, uint64_t bytes, bool* fresh) {
     Buffer& buffer = scratch_[name];
-    const bool taken = buffer.bytes() == bytes;
+    const bool taken = !buffer.empty() && buffer.bytes() == allocated(bytes);
     if (!taken) {
         SAHEL_ASSIGN(buffer, Buffer::allocate(*pool_, bytes));
     }

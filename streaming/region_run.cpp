@@ -131,7 +131,8 @@ RegionMemory RegionRun::memory_needed(const RegionOptions& options, const WorldD
     const SimLayerSet layers = Aeolian::layers(aeolian);
     const TileLayout layout = layout_of(options.region, desc.tile_cells, halo);
     RegionMemory memory;
-    memory.tiles_bytes = TileDomain::slab_bytes(layout, layers) + TileDomain::flow_bytes(layout, layers);
+    memory.tiles_bytes = TileDomain::slab_bytes(layout, layers) + TileDomain::flow_bytes(layout, layers) +
+                         avalanche_bytes(layout.tiles.size());
     // Lists of copies and of cells to compute, wind and flags of avalanches: small beside the slabs.
     if (device) memory.tiles_bytes += memory.tiles_bytes / 64 + (uint64_t{16} << 20);
     const uint64_t tile = uint64_t{4} * static_cast<uint64_t>(k_persisted_layers.size()) *
