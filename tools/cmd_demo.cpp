@@ -23,7 +23,7 @@ struct Options {
     std::string out = "out/demo", preset = "oasis", dem;
     uint64_t seed = 1;
     double seconds = 12.0, budget_s = 200.0;
-    int64_t steps = 200;
+    int64_t steps = 120;
     int fps = 24, samples = 4, still_samples = 8, width = 1280, height = 720;
 };
 
