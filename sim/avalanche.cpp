@@ -151,7 +151,7 @@ SimLayerSet avalanche_layers() {
 }
 
 uint64_t avalanche_bytes(uint64_t slots) {
-    return (2 * slots + 63) / 64 * 64; // whole cache lines, as memory is taken
+    return Buffer::taken_bytes(2 * slots);
 }
 
 Status avalanche(TileDomain& domain, const SandParams& params, double cell_m, AvalancheKind kind,

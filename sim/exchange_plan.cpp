@@ -127,15 +127,12 @@ LocalRect ExchangePlan::segment(int direction) const {
     return segment_of(n_, halo_, direction);
 }
 
-void ExchangePlan::cover(int32_t slot, int32_t margin, bool with_frozen, std::vector<LocalRect>& out) const {
+void ExchangePlan::cover(int32_t slot, int32_t margin, std::vector<LocalRect>& out) const {
     SAHEL_CHECK_LE(0, margin);
     SAHEL_CHECK_LE(margin, halo_);
     const auto live = [&](int32_t dx, int32_t dy) {
         const int k = direction_of(dx, dy);
-        if (k < 0) return true;
-        if (margin == 0) return false;
-        const Border b = border(slot, k);
-        return is_live(b) || (with_frozen && b == Border::frozen);
+        return k < 0 || (margin > 0 && is_live(border(slot, k)));
     };
     // Three bands of rows; in each the live cells are runs; bands with the same runs grow together.
     const int32_t cut[4] = {-margin, 0, n_, n_ + margin};

@@ -99,8 +99,8 @@ class ExchangePlan {
     [[nodiscard]] bool has_frozen() const { return has_frozen_; }
     /// Halo cells of one direction.
     [[nodiscard]] LocalRect segment(int direction) const;
-    /// Owned cells and `margin` halo cells, where they are live (or frozen, if asked), as few rectangles as possible.
-    void cover(int32_t slot, int32_t margin, bool with_frozen, std::vector<LocalRect>& out) const;
+    /// Owned cells and `margin` halo cells, where they are live, as few rectangles as possible.
+    void cover(int32_t slot, int32_t margin, std::vector<LocalRect>& out) const;
 
     /// Words of 4 bytes of a message for so many layers.
     static int64_t message_words(const HaloMessage& m, int layers) { return m.cells * layers; }

@@ -124,7 +124,7 @@ Status run_passes(TileDomain& domain, std::span<const Pass> passes) {
             continue;
         }
         const Pass& pass = passes[static_cast<size_t>(op.pass)];
-        const Launch& launch = domain.launch(op.margin, false, pass.decl.name.data());
+        const Launch& launch = domain.launch(op.margin, pass.decl.name.data());
         SAHEL_TRY(pass.run({domain, launch, op.margin}));
         // No exchange ever brings what is derived in frozen cells: the whole of them at once.
         if (pass.decl.derives() && domain.plan().has_frozen())

@@ -276,14 +276,13 @@ const Launch& TileDomain::finished(CoverList& cover, const char* name) {
     return l;
 }
 
-const Launch& TileDomain::launch(int32_t margin, bool with_frozen, const char* name) {
-    const bool frozen = with_frozen && plan_.has_frozen();
-    CoverList& cover = covers_[2 * margin + (frozen ? 1 : 0)];
+const Launch& TileDomain::launch(int32_t margin, const char* name) {
+    CoverList& cover = covers_[margin];
     if (cover.items.empty()) {
         std::vector<LocalRect> rects;
         for (int32_t slot = 0; slot < slots(); ++slot) {
             rects.clear();
-            plan_.cover(slot, margin, frozen, rects);
+            plan_.cover(slot, margin, rects);
             for (const LocalRect& r : rects) cover.items.push_back({slot, r});
         }
     }
@@ -355,10 +354,6 @@ int32_t conserved_count(SimLayerSet layers) {
     return count;
 }
 
-uint64_t allocated(uint64_t bytes) { // Buffer takes whole cache lines
-    return (bytes + 63) / 64 * 64;
-}
-
 uint64_t inbox_bytes(const TileLayout& layout, SimLayerSet layers) {
     const FrameIndex frame{layout.tile_cells, layout.halo};
     return static_cast<uint64_t>(conserved_count(layers)) * layout.tiles.size() * static_cast<uint64_t>(frame.count()) *
@@ -377,7 +372,8 @@ size_t TileDomain::flow_index(SimLayer layer) const {
 uint64_t TileDomain::flow_bytes(const TileLayout& layout, SimLayerSet layers) {
     const uint64_t flows = static_cast<uint64_t>(conserved_count(layers)) * layout.tiles.size() * sizeof(SlotFlows);
     const bool frozen = ExchangePlan(layout).has_frozen() && layout.halo > 0;
-    return allocated(flows) + (frozen ? allocated(inbox_bytes(layout, layers)) + allocated(layout.tiles.size()) : 0);
+    return Buffer::taken_bytes(flows) +
+           (frozen ? Buffer::taken_bytes(inbox_bytes(layout, layers)) + Buffer::taken_bytes(layout.tiles.size()) : 0);
 }
 
 Status TileDomain::keep_flows() {
@@ -428,7 +424,7 @@ int64_t TileDomain::source(LedgerSource source, SimLayer layer, int32_t slot) co
 
 Result<void*> TileDomain::scratch(const std::string& name, uint64_t bytes, bool* fresh) {
     Buffer& buffer = scratch_[name];
-    const bool taken = !buffer.empty() && buffer.bytes() == allocated(bytes);
+    const bool taken = !buffer.empty() && buffer.bytes() == Buffer::taken_bytes(bytes);
     if (!taken) {
         SAHEL_ASSIGN(buffer, Buffer::allocate(*pool_, bytes));
     }

@@ -89,7 +89,7 @@ class TileDomain {
     Status fill_edges(SimLayerSet layers);
 
     /// The launch over owned cells and `margin` halo cells.
-    [[nodiscard]] const Launch& launch(int32_t margin, bool with_frozen, const char* name);
+    [[nodiscard]] const Launch& launch(int32_t margin, const char* name);
     /// The launch over the whole of every frozen segment.
     [[nodiscard]] const Launch& frozen_launch(const char* name);
     void set_order(VisitOrder order) { order_ = order; }

@@ -1,6 +1,7 @@
 #include "streaming/scene_run.h"
 
 #include "sim/directions.h"
+#include "sim/domain_field.h"
 
 #include <fmt/format.h>
 
@@ -103,26 +104,7 @@ Status SceneRun::step() {
 }
 
 Result<std::vector<float>> SceneRun::field(SimLayer layer) const {
-    const int32_t n = domain_.tile_cells();
-    const LayerType type = info_of(layer).type;
-    std::vector<float> out(ground_.cells());
-    std::vector<uint32_t> cells(static_cast<size_t>(n) * static_cast<size_t>(n));
-    for (int32_t slot = 0; slot < domain_.slots(); ++slot) {
-        SAHEL_TRY(domain_.store(slot, layer, cells.data()));
-        const TileKey key = domain_.layout().tiles[static_cast<size_t>(slot)];
-        size_t i = 0;
-        for (int32_t y = 0; y < n; ++y) {
-            float* row = out.data() + (key.y * n + y) * ground_.width + key.x * n;
-            for (int32_t x = 0; x < n; ++x, ++i) {
-                const auto word = static_cast<int32_t>(cells[i]);
-                if (type == LayerType::ticks)
-                    row[x] = metres_of_ticks(word);
-                else
-                    row[x] = type == LayerType::real ? __builtin_bit_cast(float, word) : static_cast<float>(word);
-            }
-        }
-    }
-    return out;
+    return field_of(domain_, layer);
 }
 
 Result<int64_t> SceneRun::solids() const {

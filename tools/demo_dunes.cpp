@@ -2,6 +2,7 @@
 
 #include "render/field_picture.h"
 #include "render/video_writer.h"
+#include "sim/domain_field.h"
 #include "tools/command.h"
 
 #include <fmt/format.h>
@@ -15,41 +16,25 @@ namespace sahel::tools {
 
 namespace {
 
-/// The ground of a rectangle of tiles as planes of metres.
-struct RegionGround {
-    int width = 0, height = 0;
-    std::vector<float> bedrock_m, sand_m, water_m;
-
-    Status take(const TileDomain& domain, const TileRect& region) {
-        const int n = domain.tile_cells();
-        width = (region.x1 - region.x0) * n;
-        height = (region.y1 - region.y0) * n;
-        SAHEL_TRY(plane(domain, region, {SimLayer::bedrock, SimLayer::soil}, bedrock_m));
-        SAHEL_TRY(plane(domain, region, {SimLayer::sand}, sand_m));
-        return plane(domain, region, {SimLayer::water}, water_m);
-    }
-
-  private:
-    Status plane(const TileDomain& domain, const TileRect& region, std::initializer_list<SimLayer> layers,
-                 std::vector<float>& out) const {
-        const int n = domain.tile_cells();
-        std::vector<int32_t> ticks(static_cast<size_t>(n) * static_cast<size_t>(n));
-        out.assign(static_cast<size_t>(width) * static_cast<size_t>(height), 0.0f);
-        for (const SimLayer layer : layers)
-            for (int32_t slot = 0; slot < domain.slots(); ++slot) {
-                SAHEL_TRY(domain.store(slot, layer, ticks.data()));
-                const TileKey key = domain.layout().tiles[static_cast<size_t>(slot)];
-                const auto x0 = static_cast<size_t>((key.x - region.x0) * n);
-                for (int y = 0; y < n; ++y) {
-                    const auto row = static_cast<size_t>((key.y - region.y0) * n + y) * static_cast<size_t>(width) + x0;
-                    for (int x = 0; x < n; ++x)
-                        out[row + static_cast<size_t>(x)] += metres_of_ticks(
-                            ticks[static_cast<size_t>(y) * static_cast<size_t>(n) + static_cast<size_t>(x)]);
-                }
-            }
-        return {};
-    }
-};
+/// The ground of the run from above, one pixel a cell.
+Result<Image> picture_of(const TileDomain& domain, const TileRect& region, double cell_m) {
+    SAHEL_ASSIGN(std::vector<float> rock_m, field_of(domain, SimLayer::bedrock));
+    SAHEL_ASSIGN(const std::vector<float> soil_m, field_of(domain, SimLayer::soil));
+    SAHEL_ASSIGN(const std::vector<float> sand_m, field_of(domain, SimLayer::sand));
+    SAHEL_ASSIGN(const std::vector<float> water_m, field_of(domain, SimLayer::water));
+    for (size_t i = 0; i < rock_m.size(); ++i) rock_m[i] += soil_m[i];
+    GroundFields fields;
+    fields.width = (region.x1 - region.x0) * domain.tile_cells();
+    fields.height = (region.y1 - region.y0) * domain.tile_cells();
+    fields.cell_m = cell_m;
+    fields.periodic = false;
+    fields.bedrock_m = rock_m;
+    fields.sand_m = sand_m;
+    fields.water_m = water_m;
+    SunLight sun;
+    sun.exaggeration = 1.6f; // the same light in every frame
+    return make_ground_picture(fields, {}, sun, 256);
+}
 
 } // namespace
 
@@ -72,23 +57,8 @@ Result<DuneAct> blow_dunes(World& world, const TileRect& region, int64_t steps, 
     SAHEL_ASSIGN(options.simulation, simulation_of(world.desc(), world.folder().string()));
     SAHEL_ASSIGN(RegionRun run, RegionRun::open(world, options));
 
-    RegionGround ground;
-    Status drawn;
-    const auto picture_of = [&](const TileDomain& domain) -> Result<Image> {
-        SAHEL_TRY(ground.take(domain, region));
-        GroundFields fields;
-        fields.width = ground.width;
-        fields.height = ground.height;
-        fields.cell_m = world.desc().cell_m;
-        fields.periodic = false;
-        fields.bedrock_m = ground.bedrock_m;
-        fields.sand_m = ground.sand_m;
-        fields.water_m = ground.water_m;
-        SunLight sun;
-        sun.exaggeration = 1.6f; // the same light in every frame
-        return make_ground_picture(fields, {}, sun, 256);
-    };
-    SAHEL_ASSIGN(const Image before, picture_of(run.domain()));
+    const double cell_m = world.desc().cell_m;
+    SAHEL_ASSIGN(const Image before, picture_of(run.domain(), region, cell_m));
     VideoSettings settings; // a pixel a cell: sides of tiles are even
     settings.width_px = before.width_px;
     settings.height_px = before.height_px;
@@ -98,11 +68,12 @@ Result<DuneAct> blow_dunes(World& world, const TileRect& region, int64_t steps, 
     const double begin = now_s();
     const int64_t first = run.step();
     double drawing_s = 0.0;
+    Status drawn;
     SAHEL_ASSIGN(const bool whole, run.run(first + steps, [&](const RegionStep& s) {
         progress(s.step - first, steps);
         if ((s.step - first) % every != 0) return true;
         const double t = now_s();
-        const Result<Image> picture = picture_of(s.domain);
+        const Result<Image> picture = picture_of(s.domain, region, cell_m);
         drawn = picture.ok() ? writer.add_frame(*picture) : Status(picture.error());
         drawing_s += now_s() - t;
         return drawn.ok();

@@ -10,7 +10,6 @@
 namespace sahel {
 
 namespace {
-constexpr uint64_t k_host_alignment = 64; // one cache line, one AVX-512 register
 #if defined(SAHEL_DEBUG)
 void poison(void* data, uint64_t bytes) {
     auto* words = static_cast<uint32_t*>(data);
@@ -48,7 +47,7 @@ void MemoryPool::release(uint64_t bytes) {
 Result<Buffer> Buffer::allocate(MemoryPool& pool, uint64_t bytes) {
     Buffer buffer;
     if (bytes == 0) return buffer;
-    const uint64_t rounded = (bytes + k_host_alignment - 1) / k_host_alignment * k_host_alignment;
+    const uint64_t rounded = taken_bytes(bytes);
     if (rounded < bytes || !pool.reserve(rounded))
         return Error{ErrorKind::budget,
                      fmt::format("memory pool '{}': {} bytes asked, {} of {} in use; raise the limit or load less",
@@ -62,11 +61,11 @@ Result<Buffer> Buffer::allocate(MemoryPool& pool, uint64_t bytes) {
         }
         data = allocated.value();
     } else {
-        data = std::aligned_alloc(k_host_alignment, rounded);
+        data = std::aligned_alloc(k_alignment, rounded);
         if (!data) {
             pool.release(rounded);
-            return Error{ErrorKind::io, fmt::format("memory pool '{}': the machine could not give {} bytes", pool.name(),
-                                                    rounded)};
+            return Error{ErrorKind::io,
+                         fmt::format("memory pool '{}': the machine could not give {} bytes", pool.name(), rounded)};
         }
 #if defined(SAHEL_DEBUG)
         poison(data, rounded);

@@ -66,6 +66,11 @@ class Buffer {
 
     /// Errors: budget (names the pool, what it holds, what was asked), io (the machine has no more memory).
     static Result<Buffer> allocate(MemoryPool& pool, uint64_t bytes);
+    /// What allocate takes of the pool for so many: whole cache lines. For exact predictions.
+    static constexpr uint64_t taken_bytes(uint64_t bytes) {
+        return (bytes + k_alignment - 1) / k_alignment * k_alignment;
+    }
+    static constexpr uint64_t k_alignment = 64; // one cache line, one AVX-512 register
 
     void reset();
     [[nodiscard]] void* data() const { return data_; }

@@ -114,7 +114,7 @@ Status plain_sweep(TileDomain& d, const SandParams& p, double cell_m, AvalancheK
     SlideSweepCell cell{{slide_ground(d, borders, p, cell_m, kind), {}, d.ints(SimLayer::surface_next), {}}};
     const SimLayer moving = moving_layer(kind);
     if (received_layer(kind, p) != moving) cell.sweep.taken = d.ints(SimLayer::sand);
-    launch(d.launch(0, false, "plain"), cell);
+    launch(d.launch(0, "plain"), cell);
     d.set_valid_halo(SimLayer::surface_next, 0);
     const auto cells = static_cast<size_t>(d.tile_cells()) * static_cast<size_t>(d.tile_cells());
     std::vector<int32_t> words(cells);

@@ -62,7 +62,7 @@ std::string find_dishonest(const Pass& pass, SimLayerSet layers, uint64_t seed) 
     fill(noisy, true);
     fill(before, true);
     for (TileDomain* d : {&calm, &noisy}) {
-        const Status ran = pass.run({*d, d->launch(0, false, pass.decl.name.data()), 0});
+        const Status ran = pass.run({*d, d->launch(0, pass.decl.name.data()), 0});
         if (!ran.ok()) return ran.error().message;
     }
     std::string found;

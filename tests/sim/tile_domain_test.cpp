@@ -96,7 +96,7 @@ TEST(TileDomain, OpenBordersGoOnAsTheyEndAndBringNothing) {
     EXPECT_EQ(d.plan().border(0, 1), Border::level);
     EXPECT_EQ(d.plan().border(0, 3), Border::open);
     std::vector<LocalRect> cover;
-    d.plan().cover(0, 4, true, cover);
+    d.plan().cover(0, 4, cover);
     ASSERT_EQ(cover.size(), 1u); // nothing out there is computed
     EXPECT_EQ(cover[0].area(), k_n * k_n);
 }
@@ -121,7 +121,7 @@ TEST(TileDomain, FrozenNeighboursKeepWhatWasLoaded) {
 
     // The cover of slot 0 has its live sides and nothing else, each cell once.
     std::vector<LocalRect> cover;
-    d.plan().cover(0, 3, false, cover);
+    d.plan().cover(0, 3, cover);
     std::set<std::pair<int32_t, int32_t>> seen;
     for (const LocalRect& r : cover)
         for (int32_t y = r.y0; y < r.y1; ++y)

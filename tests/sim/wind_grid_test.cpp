@@ -272,7 +272,8 @@ TEST(WindGrid, HalosHoldTheBitsOfTheirOwners) {
             for (const bool v3 : {false, true}) {
                 const RestoreMachine restore;
                 set_isa(v3 ? Isa::v3 : Isa::baseline);
-                ASSERT_TRUE(pass.run({d, d.launch(h, true, "sim/wind"), h}).ok());
+                ASSERT_TRUE(pass.run({d, d.launch(h, "sim/wind"), h}).ok());
+                ASSERT_TRUE(pass.run({d, d.frozen_launch("sim/wind"), h}).ok());
                 ASSERT_TRUE(d.fill_edges(pass.decl.writes).ok());
                 const size_t words = TileDomain::slab_bytes(layout, {SimLayer::wind_x}) / 4;
                 std::vector<uint32_t> made[2];

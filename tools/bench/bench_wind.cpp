@@ -60,7 +60,7 @@ void read(benchmark::State& state, int32_t side, const BenchOptions& o) {
     auto grid = WindGrid::create(*d, WindParams{}, 1.0);
     if (!grid.ok() || !grid->solve(*d, {6.0f, 25.0f}).ok()) return state.SkipWithError("the wind could not be solved");
     const Pass pass = grid->pass();
-    const Launch& launch = d->launch(0, false, "sim/wind");
+    const Launch& launch = d->launch(0, "sim/wind");
     for (auto _ : state) benchmark::DoNotOptimize(pass.run({*d, launch, 0}).ok());
     state.SetLabel(d->hash({SimLayer::wind_x, SimLayer::wind_y}).value().substr(0, 12));
     const double cells = static_cast<double>(side) * side;

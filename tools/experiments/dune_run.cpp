@@ -1,5 +1,6 @@
 #include "tools/experiments/dune_run.h"
 
+#include "sim/domain_field.h"
 #include "world/random.h"
 
 #include <fmt/format.h>
@@ -100,19 +101,10 @@ Plane plane_of(const TileDomain& d, SimLayer layer, double cell_m) {
     const int32_t n = d.tile_cells();
     Plane out(static_cast<int32_t>(layout.tx1 - layout.tx0) * n, static_cast<int32_t>(layout.ty1 - layout.ty0) * n,
               cell_m);
-    std::vector<uint32_t> cells(static_cast<size_t>(n) * static_cast<size_t>(n));
-    for (int32_t slot = 0; slot < d.slots(); ++slot) {
-        const Status stored = d.store(slot, layer, cells.data());
-        SAHEL_CHECK(stored.ok());
-        const TileKey key = layout.tiles[static_cast<size_t>(slot)];
-        size_t i = 0;
-        for (int32_t y = 0; y < n; ++y)
-            for (int32_t x = 0; x < n; ++x, ++i)
-                out.at(key.x * n + x, key.y * n + y) =
-                    info_of(layer).type == LayerType::real
-                        ? __builtin_bit_cast(float, cells[i])
-                        : static_cast<float>(static_cast<int32_t>(cells[i])) * k_m_per_tick;
-    }
+    Result<std::vector<float>> values = field_of(d, layer);
+    SAHEL_CHECK(values.ok());
+    SAHEL_CHECK_EQ(values->size(), out.size());
+    out.values = std::move(*values);
     return out;
 }
 
