@@ -64,8 +64,9 @@ struct FieldPictureOptions {
     std::string title{};
     std::string unit{};
     FieldPalette palette = FieldPalette::viridis;
-    std::optional<float> low{}, high{}; ///< else the 0.5 and the 99.5 per cent quantile; balance: alike on both sides of 0
-    bool bar = true;                ///< a strip below with title, colours and three values
+    std::optional<float> low{},
+        high{};      ///< else the 0.5 and the 99.5 per cent quantile; balance: alike on both sides of 0
+    bool bar = true; ///< a strip below with title, colours and three values
     int least_side_px = 512;
 };
 

@@ -12,19 +12,23 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
 namespace sahel {
 
 namespace {
+
+constexpr int k_ripple_directions = 24; ///< that ripples of a simulated wind may have; as in common.glsl
 
 /// The uniform block of common.glsl: matrices and vec4 only, so std140 and C++ agree.
 struct FrameUniforms {
     glm::mat4 view_projection, inverse_view_projection;
     glm::vec4 eye, lod, sun, sun_light, light_up, light_side, light_ground, haze, screen, wind, look, rock;
     std::array<glm::vec4, 4> noise_phase;
+    std::array<glm::vec4, k_ripple_directions / 2> ripple_phase;
     glm::ivec4 mode;
 };
-static_assert(sizeof(FrameUniforms) == 2 * 64 + 12 * 16 + 4 * 16 + 16);
+static_assert(sizeof(FrameUniforms) == 2 * 64 + 12 * 16 + 4 * 16 + k_ripple_directions / 2 * 16 + 16);
 
 constexpr float k_near_m = 0.1f;
 constexpr int k_bloom_levels = 4;
@@ -91,8 +95,8 @@ double now_ms() {
 
 const char* name_of(DebugView view) {
     static constexpr std::array<const char*, static_cast<size_t>(DebugView::count_)> k_names = {
-        "off", "normals", "slope", "sand",  "litter", "moisture", "shore",
-        "sun", "sky",     "level", "morph", "water",  "rock",     "slot"};
+        "off",   "normals", "slope", "sand", "litter", "moisture", "shore",   "sun",     "sky",
+        "level", "morph",   "water", "rock", "slot",   "wind",     "shelter", "airborne"};
     return k_names[static_cast<size_t>(view)];
 }
 
@@ -103,7 +107,7 @@ struct Renderer::Impl {
     RenderStats stats;
     bool timing = false;
 
-    GLuint tile_normal = 0, tile_material = 0, tile_bake = 0, tile_water = 0, sky = 0, noise = 0;
+    GLuint tile_normal = 0, tile_material = 0, tile_bake = 0, tile_water = 0, tile_wind = 0, sky = 0, noise = 0;
     GLuint heights = 0, uniforms = 0, instances = 0, grid = 0, grid_indices = 0;
     GLuint terrain_array = 0, empty_array = 0;
     GLsizei index_count = 0; ///< of one order
@@ -119,6 +123,9 @@ struct Renderer::Impl {
     std::array<size_t, k_grid_orders> ground_counts{}, water_counts{};
     size_t ground_count = 0, water_count = 0;
     size_t instance_capacity = 0;
+
+    enum class SlotWind : uint8_t { unset, none, blown };
+    std::vector<SlotWind> slot_wind; ///< what the wind texture of a slot holds
 
     void make_tiles();
     void make_grid();
@@ -136,6 +143,7 @@ void Renderer::Impl::make_tiles() {
     tile_normal = make_tile_array(GL_RG16_SNORM, k_view_texels, desc.slots);
     tile_material = make_tile_array(GL_RGBA8, k_view_texels, desc.slots);
     tile_bake = make_tile_array(GL_RGBA8, k_view_texels / 2, desc.slots);
+    tile_wind = make_tile_array(GL_RGBA8, k_view_texels / 2, desc.slots);
     tile_water = make_tile_array(GL_RG16_SNORM, k_view_texels, desc.slots);
     glCreateBuffers(1, &heights);
     glNamedBufferStorage(heights, static_cast<GLsizeiptr>(desc.slots) * k_slot_values * 4, nullptr,
@@ -143,6 +151,7 @@ void Renderer::Impl::make_tiles() {
     glCreateBuffers(1, &uniforms);
     glNamedBufferStorage(uniforms, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
     slot_has_water.assign(static_cast<size_t>(desc.slots), 0);
+    slot_wind.assign(static_cast<size_t>(desc.slots), SlotWind::unset);
 
     glCreateTextures(GL_TEXTURE_2D, 1, &noise);
     glTextureStorage2D(noise, 10, GL_RGBA8, k_noise_texels, k_noise_texels);
@@ -298,6 +307,13 @@ FrameUniforms Renderer::Impl::frame_uniforms(const FrameDesc& frame, int sample)
                     c1 = noise_phase(x, y, 1, 0, 0, 1, 0.000031);
     const glm::vec2 c2 = noise_phase(x, y, 0.8, 0.6, -0.6, 0.8, 0.000093), c3 = noise_phase(y, x, 1, 0, 0, 1, 0.00037);
     u.noise_phase = {glm::vec4(n1, n2), glm::vec4(n3, n4), glm::vec4(nb, c1), glm::vec4(c2, c3)};
+    for (int i = 0; i < k_ripple_directions; ++i) {
+        const double turn = 2.0 * std::numbers::pi * i / k_ripple_directions;
+        const double u0 = x * std::cos(turn) + y * std::sin(turn);
+        glm::vec4& pair = u.ripple_phase[static_cast<size_t>(i / 2)];
+        pair[2 * (i % 2)] = static_cast<float>(fraction(u0 / 0.34));
+        pair[2 * (i % 2) + 1] = static_cast<float>(fraction(u0 / 2.3));
+    }
     u.mode = {static_cast<int>(frame.debug), 0, frame.samples, 0};
     return u;
 }
@@ -465,7 +481,7 @@ Result<std::unique_ptr<Renderer>> Renderer::create(const RendererDesc& desc) {
 Renderer::~Renderer() {
     Impl& r = *impl_;
     r.drop_targets();
-    for (const GLuint t : {r.tile_normal, r.tile_material, r.tile_bake, r.tile_water, r.sky, r.noise})
+    for (const GLuint t : {r.tile_normal, r.tile_material, r.tile_bake, r.tile_water, r.tile_wind, r.sky, r.noise})
         glDeleteTextures(1, &t);
     for (const GLuint b : {r.heights, r.uniforms, r.instances, r.grid, r.grid_indices}) glDeleteBuffers(1, &b);
     for (const GLuint a : {r.terrain_array, r.empty_array}) glDeleteVertexArrays(1, &a);
@@ -478,7 +494,7 @@ uint64_t Renderer::slot_bytes() {
     uint64_t texels = 0;
     for (int m = 0, side = k_view_texels; m < k_view_mips; ++m, side /= 2)
         texels += static_cast<uint64_t>(side) * static_cast<uint64_t>(side) * 12 +
-                  static_cast<uint64_t>(side / 2) * static_cast<uint64_t>(side / 2) * 4;
+                  static_cast<uint64_t>(side / 2) * static_cast<uint64_t>(side / 2) * 8;
     return texels + static_cast<uint64_t>(k_slot_values) * 4;
 }
 
@@ -506,6 +522,14 @@ void Renderer::upload(uint32_t slot, const ViewTile& tile) {
     put(r.tile_material, GL_RGBA, GL_UNSIGNED_BYTE, tile.material, k_view_texels);
     put(r.tile_bake, GL_RGBA, GL_UNSIGNED_BYTE, tile.bake, k_view_texels / 2);
     put(r.tile_water, GL_RG, GL_SHORT, tile.water, k_view_texels);
+    if (!tile.wind[0].empty()) {
+        put(r.tile_wind, GL_RGBA, GL_UNSIGNED_BYTE, tile.wind, k_view_texels / 2);
+    } else if (r.slot_wind[slot] != Renderer::Impl::SlotWind::none) {
+        constexpr Rgba8 k_calm{128, 128, 0, 0};
+        for (GLint m = 0, side = k_view_texels / 2; m < k_view_mips; ++m, side /= 2)
+            glClearTexSubImage(r.tile_wind, m, 0, 0, layer, side, side, 1, GL_RGBA, GL_UNSIGNED_BYTE, &k_calm);
+    }
+    r.slot_wind[slot] = tile.wind[0].empty() ? Renderer::Impl::SlotWind::none : Renderer::Impl::SlotWind::blown;
     for (size_t k = 0; k < k_lattice_count; ++k) {
         const auto put_lattice = [&](const std::vector<float>& values, int64_t offset) {
             if (values.empty()) return;
@@ -557,6 +581,7 @@ void Renderer::render(const FrameDesc& frame, std::span<const VisibleTile> tiles
     GLuint unit = 0;
     for (const GLuint t : {r.tile_normal, r.tile_material, r.tile_bake, r.tile_water, r.sky, r.noise})
         glBindTextureUnit(unit++, t);
+    glBindTextureUnit(8, r.tile_wind); // 6 and 7 are the targets
     for (int s = 0; s < frame.samples; ++s) r.draw_sample(frame, s);
     if (frame.depth_only) return;
 

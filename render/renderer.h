@@ -41,6 +41,9 @@ enum class DebugView : int {
     water,
     rock,
     slot,
+    wind,
+    shelter,
+    airborne,
     count_
 };
 const char* name_of(DebugView view);

@@ -173,13 +173,13 @@ double sunlit_share(ViewTerrain& terrain, const Panorama& panorama, const Camera
             const Panorama::Pixel& p = panorama.at(c, r);
             if (p.material == ViewMaterial::sky || p.material == ViewMaterial::water) continue;
             ground += 1.0;
-            const double facing =
-                sun[2] - static_cast<double>(p.east) * sun[0] - static_cast<double>(p.south) * sun[1];
+            const double facing = sun[2] - static_cast<double>(p.east) * sun[0] - static_cast<double>(p.south) * sun[1];
             if (facing <= 0.02) continue;
             const double d = static_cast<double>(p.distance_m), azimuth = (c + 0.5) * Panorama::k_step_deg * k_rad;
             int level = 2;
             while (level < 7 && terrain.cell_m(level + 1) <= 0.02 * d) ++level;
-            lit += in_shade(pose.eye_m[0] + d * std::cos(azimuth), pose.eye_m[1] + d * std::sin(azimuth), level) ? 0 : 1;
+            lit +=
+                in_shade(pose.eye_m[0] + d * std::cos(azimuth), pose.eye_m[1] + d * std::sin(azimuth), level) ? 0 : 1;
         }
     return ground > 0.0 ? lit / ground : 0.0;
 }

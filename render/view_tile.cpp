@@ -163,6 +163,38 @@ float water_above_ground(const Cells& c, const Lattices& l, int x, int y) {
     return std::min(top + b * (bottom - top) - c.ground[c.index(x, y)], 0.0f);
 }
 
+/// Wind, shelter and sand in the air; nothing where no wind was simulated.
+void fill_wind(const LayerBlock& block, ViewTile& tile) {
+    const auto wind_x = block.reals(Layer::wind_x), wind_y = block.reals(Layer::wind_y);
+    const auto shelter = block.reals(Layer::wind_shadow);
+    const auto air = block.ints(Layer::airborne_sand);
+    constexpr int k_half = k_view_texels / 2;
+    const auto blown = [&] {
+        for (int y = -k_view_border; y < k_view_cells + k_view_border; y += 2)
+            for (int x = -k_view_border; x < k_view_cells + k_view_border; x += 2)
+                if (wind_x(x, y) != 0.0f || wind_y(x, y) != 0.0f) return true;
+        return false;
+    };
+    if (!blown()) return;
+    tile.wind[0].resize(static_cast<size_t>(k_half) * k_half);
+    const auto encoded = [](float m_per_s) {
+        return static_cast<uint8_t>(
+            std::lround(128.0f + std::clamp(m_per_s * k_wind_unit_per_m_per_s, -127.0f, 127.0f)));
+    };
+    for (int j = 0; j < k_half; ++j)
+        for (int i = 0; i < k_half; ++i) {
+            const int x = 2 * i - k_view_border, y = 2 * j - k_view_border;
+            const auto mean = [&](const auto& field) {
+                return 0.25f * (static_cast<float>(field(x, y)) + static_cast<float>(field(x + 1, y)) +
+                                static_cast<float>(field(x, y + 1)) + static_cast<float>(field(x + 1, y + 1)));
+            };
+            tile.wind[0][static_cast<size_t>(j * k_half + i)] = {encoded(mean(wind_x)), encoded(mean(wind_y)),
+                                                                 unorm8(mean(shelter)),
+                                                                 unorm8(mean(air) * k_m_per_tick * 2.0f)};
+        }
+    fill_mips(tile.wind, k_half);
+}
+
 } // namespace
 
 uint64_t ViewTile::bytes() const {
@@ -173,6 +205,7 @@ uint64_t ViewTile::bytes() const {
     for (const auto& v : material) sum += v.size() * sizeof(Rgba8);
     for (const auto& v : bake) sum += v.size() * sizeof(Rgba8);
     for (const auto& v : water) sum += v.size() * sizeof(Snorm16x2);
+    for (const auto& v : wind) sum += v.size() * sizeof(Rgba8);
     return sum;
 }
 
@@ -183,14 +216,15 @@ std::shared_ptr<const TileContext> ViewTile::context() const {
 uint64_t view_tile_max_bytes() {
     uint64_t texels = 0, lattice = 0;
     for (int m = 0, side = k_view_texels; m < k_view_mips; ++m, side /= 2)
-        texels += static_cast<uint64_t>(side) * side * 12 + static_cast<uint64_t>(side / 2) * (side / 2) * 4;
+        texels += static_cast<uint64_t>(side) * side * 12 + static_cast<uint64_t>(side / 2) * (side / 2) * 8;
     for (const int side : k_lattice_side) lattice += static_cast<uint64_t>(side) * side * 2 * sizeof(float);
     return sizeof(ViewTile) + texels + lattice;
 }
 
 Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, TileKey key, const SunDirection& sun,
                                                   const std::shared_ptr<const TileContext>& parent) {
-    const LayerSet wanted = k_surface_layers.united({Layer::moisture, Layer::wetness});
+    const LayerSet wanted = k_surface_layers.united(
+        {Layer::moisture, Layer::wetness, Layer::wind_x, Layer::wind_y, Layer::wind_shadow, Layer::airborne_sand});
     SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(key.level, tile_rect(key, k_view_cells), k_halo, wanted));
     SAHEL_TRY(source.read(block));
 
@@ -301,6 +335,7 @@ Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, T
     fill_mips(tile->normal);
     fill_mips(tile->material, k_view_texels);
     fill_mips(tile->water);
+    fill_wind(block, *tile);
     tile->height_context = std::move(context);
     return tile;
 }

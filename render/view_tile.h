@@ -73,6 +73,8 @@ class ViewTile final : public TilePayload {
     MipChain<Rgba8> material; ///< sand thickness (255 = 0.5 m), soil and litter, moisture, shore distance (-20 .. 60 m)
     MipChain<Rgba8> bake; ///< half size (264, 132, 66, 33): sun visibility, sky visibility, canopy shadow, canopy cover
     MipChain<Snorm16x2> water; ///< x: water surface minus ground, 1/256 m (clamped); y: rock exposure 0..32767
+    MipChain<Rgba8> wind;      ///< half size; empty: nothing was simulated here. Wind east and south (encode_wind),
+                               ///< shelter, sand in the air (255 = 0.5 m)
     bool has_water = false;    ///< any lattice or texel with water above the ground
 
     float min_m = 0.0f, max_m = 0.0f; ///< over ground and water lattices
@@ -83,6 +85,9 @@ class ViewTile final : public TilePayload {
     [[nodiscard]] float max_height_m() const override { return max_m; }
     [[nodiscard]] std::shared_ptr<const TileContext> context() const override;
 };
+
+/// Wind in a texel: 128 is calm, and 255 is 20 m/s.
+inline constexpr float k_wind_unit_per_m_per_s = 127.0f / 20.0f;
 
 /// Largest host bytes any ViewTile takes, for budgets.
 uint64_t view_tile_max_bytes();

@@ -135,7 +135,7 @@ RegionMemory RegionRun::memory_needed(const RegionOptions& options, const WorldD
                          avalanche_bytes(layout.tiles.size());
     // Lists of copies and of cells to compute, wind and flags of avalanches: small beside the slabs.
     if (device) memory.tiles_bytes += memory.tiles_bytes / 64 + (uint64_t{16} << 20);
-    const uint64_t tile = uint64_t{4} * static_cast<uint64_t>(k_persisted_layers.size()) *
+    const uint64_t tile = uint64_t{4} * static_cast<uint64_t>(k_stored_layers.size()) *
                           static_cast<uint64_t>(desc.tile_cells) * static_cast<uint64_t>(desc.tile_cells);
     // A commit holds of each level up to four tiles, beside one that is made and its file; decoded tiles are kept.
     const auto wide = static_cast<uint64_t>(

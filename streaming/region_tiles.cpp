@@ -18,9 +18,11 @@ std::optional<SimLayer> sim_layer_of(Layer layer) {
 
 // Of the block's first row on, all rows: tiles are whole cache lines wide.
 int32_t* cells_of(LayerBlock& block, Layer layer) {
-    FieldView<int32_t> view = block.ints(layer);
-    SAHEL_CHECK_EQ(view.stride, static_cast<int64_t>(view.width()));
-    return view.row(0);
+    const auto first = [](auto view) {
+        SAHEL_CHECK_EQ(view.stride, static_cast<int64_t>(view.width()));
+        return reinterpret_cast<int32_t*>(view.row(0));
+    };
+    return info_of(layer).type == LayerType::real ? first(block.reals(layer)) : first(block.ints(layer));
 }
 
 Status add_waiting(const World& world, const Inbox& inbox, LayerBlock& block) {
@@ -44,7 +46,7 @@ Result<LoadedTile> load_tile(const World& world, TileDomain& domain, int32_t slo
     const int32_t n = domain.tile_cells();
     const TileKey key = domain.layout().tiles[static_cast<size_t>(slot)];
     LoadedTile loaded;
-    SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(0, tile_rect(key, n), 0, k_persisted_layers, pool));
+    SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(0, tile_rect(key, n), 0, k_state_layers, pool));
     SAHEL_TRY(world.surface().read(block));
     SAHEL_ASSIGN(loaded.taken, world.inboxes(key));
     for (const Inbox& inbox : loaded.taken) {
@@ -84,7 +86,7 @@ Status load_rims(const World& world, TileDomain& domain, int32_t slot) {
         const LocalRect r = domain.plan().segment(k);
         if (r.empty()) continue;
         const CellRect rect{key.x * n + r.x0, key.y * n + r.y0, key.x * n + r.x1, key.y * n + r.y1};
-        SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(0, rect, 0, k_persisted_layers));
+        SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(0, rect, 0, k_state_layers));
         SAHEL_TRY(world.surface().read(block));
         std::vector<int32_t> cells(static_cast<size_t>(r.area()));
         Status status;

@@ -25,7 +25,7 @@ Result<LoadedTile> load_tile(const World& world, TileDomain& domain, int32_t slo
 /// Loads the frozen segments around a slot. What waits there is left out.
 Status load_rims(const World& world, TileDomain& domain, int32_t slot);
 
-/// Fills a block of every persisted layer with the slot's cells, and the layers that the domain lacks from the world
+/// Fills a block of every stored layer with the slot's cells, and the layers that the domain lacks from the world
 /// and from `taken`. Errors: corrupt (an amount below zero, named).
 Status store_tile(const World& world, const TileDomain& domain, int32_t slot, const std::vector<Inbox>& taken,
                   LayerBlock& block);

@@ -11,9 +11,9 @@
 namespace sahel::cuda {
 
 struct DeviceStatus {
-    bool built = false;      ///< compiled with a CUDA backend
-    int device_count = 0;    ///< devices that can be used now
-    std::string name;        ///< of device 0, empty without one
+    bool built = false;   ///< compiled with a CUDA backend
+    int device_count = 0; ///< devices that can be used now
+    std::string name;     ///< of device 0, empty without one
     uint64_t memory_bytes = 0;
     int runtime_version = 0; ///< 13000 means 13.0
     std::string why_not;     ///< one line when there is no usable device
@@ -21,7 +21,9 @@ struct DeviceStatus {
 
 /// Looks once and remembers; never fails.
 const DeviceStatus& status();
-inline bool available() { return status().device_count > 0; }
+inline bool available() {
+    return status().device_count > 0;
+}
 
 Result<void*> allocate(uint64_t bytes);
 void free(void* data);

@@ -139,7 +139,7 @@ Result<StoredTile> make_stored_tile(TileKey key, int tile_cells, const LayerBloc
     tile.key = key;
     tile.tile_cells = tile_cells;
     SAHEL_CHECK(from.owned() == tile_rect(key, tile_cells));
-    const LayerSet given = from.layers().intersected(k_persisted_layers);
+    const LayerSet given = from.layers().intersected(k_stored_layers);
     given.for_each([&](Layer layer) {
         const int32_t* c = column(from, layer);
         const int64_t stride = stride_of(from, layer);
@@ -177,9 +177,11 @@ Result<std::vector<uint8_t>> encode_tile(const StoredTile& tile, TileCompression
         header.insert("sahel_x", Imf::StringAttribute(std::to_string(tile.key.x)));
         header.insert("sahel_y", Imf::StringAttribute(std::to_string(tile.key.y)));
         Imf::FrameBuffer frame;
-        k_persisted_layers.for_each([&](Layer layer) {
+        k_stored_layers.for_each([&](Layer layer) {
             if (!tile.varying.contains(layer)) {
-                header.insert(constant_name(layer), Imf::IntAttribute(tile.constant[static_cast<size_t>(layer)]));
+                const int32_t value = tile.constant[static_cast<size_t>(layer)];
+                if (info_of(layer).role == LayerRole::state || value != 0)
+                    header.insert(constant_name(layer), Imf::IntAttribute(value));
                 return;
             }
             const std::string name(info_of(layer).name);
@@ -240,7 +242,7 @@ Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string
             return corrupt("its place in the world cannot be");
         tile.tile_cells = n;
         std::string problem;
-        k_persisted_layers.for_each([&](Layer layer) {
+        k_stored_layers.for_each([&](Layer layer) {
             const std::string channel(info_of(layer).name);
             const Imf::PixelType type = info_of(layer).type == LayerType::real ? Imf::FLOAT : Imf::UINT;
             if (const Imf::Channel* c = header.channels().findChannel(channel)) {
@@ -249,7 +251,7 @@ Result<StoredTile> decode_tile(std::span<const uint8_t> bytes, const std::string
                 tile.varying.insert(layer);
             } else if (const auto* constant = header.findTypedAttribute<Imf::IntAttribute>(constant_name(layer))) {
                 tile.constant[static_cast<size_t>(layer)] = constant->value();
-            } else {
+            } else if (info_of(layer).role == LayerRole::state) { // a shown layer may lack: zero
                 problem = "layer " + channel + " is missing";
             }
         });

@@ -10,8 +10,9 @@
 #include <vector>
 
 /// A tile as an OpenEXR file: one channel for each layer that varies, named as the layer; ticks and flags as UINT (the
-/// bits of the int32), reals as FLOAT. A layer with one value everywhere is an attribute instead of pixels. Channel Y
-/// is the surface in metres (FLOAT), for programs that show pictures; it is not read back.
+/// bits of the int32), reals as FLOAT. A layer with one value everywhere is an attribute instead of pixels; layers that
+/// are only shown are left out where they are zero. Channel Y is the surface in metres (FLOAT), for programs that show
+/// pictures; it is not read back.
 namespace sahel {
 
 inline constexpr int k_tile_format_version = 1;
@@ -20,7 +21,7 @@ enum class TileCompression { none, zips, zip, piz };
 /// Chosen by measurement, see README.md.
 inline constexpr TileCompression k_tile_compression = TileCompression::piz;
 
-/// The owned cells of a tile's persisted layers. Constant layers take no memory.
+/// The owned cells of a tile's stored layers. Constant layers take no memory.
 struct StoredTile {
     TileKey key;
     int tile_cells = 0;
@@ -35,7 +36,7 @@ struct StoredTile {
     void copy_row(Layer layer, int x0, int y, int count, int32_t* to) const;
 };
 
-/// From a block that holds any of the persisted layers; the others are zero.
+/// From a block that holds any of the stored layers; the others are zero.
 Result<StoredTile> make_stored_tile(TileKey key, int tile_cells, const LayerBlock& from,
                                     MemoryPool& pool = MemoryPool::host());
 

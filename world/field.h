@@ -23,8 +23,7 @@
 ///     y1      +-----------------------------------------------+   rows are `stride` elements apart
 namespace sahel {
 
-template <class T>
-struct FieldView {
+template <class T> struct FieldView {
     T* origin = nullptr; ///< element (0, 0)
     int64_t stride = 0;  ///< elements from one row to the next
     int32_t x0 = 0, y0 = 0, x1 = 0, y1 = 0;
@@ -40,14 +39,20 @@ struct FieldView {
         return origin[y * stride + x];
     }
     /// Start of row y at x = 0.
-    SAHEL_HD T* row(int32_t y) const { return origin + y * stride; }
-    [[nodiscard]] SAHEL_HD int32_t width() const { return x1 - x0; }
-    [[nodiscard]] SAHEL_HD int32_t height() const { return y1 - y0; }
+    SAHEL_HD T* row(int32_t y) const {
+        return origin + y * stride;
+    }
+    [[nodiscard]] SAHEL_HD int32_t width() const {
+        return x1 - x0;
+    }
+    [[nodiscard]] SAHEL_HD int32_t height() const {
+        return y1 - y0;
+    }
 
     /// To the view that only reads.
     template <class U>
-        requires(std::is_same_v<U, const T> && !std::is_const_v<T>)
-    SAHEL_HD operator FieldView<U>() const { // NOLINT(google-explicit-constructor)
+    requires(std::is_same_v<U, const T> && !std::is_const_v<T>) SAHEL_HD
+    operator FieldView<U>() const { // NOLINT(google-explicit-constructor)
         return {origin, stride, x0, y0, x1, y1};
     }
 };
@@ -85,8 +90,7 @@ class LayerBlock {
     void clear();
 
   private:
-    template <class T>
-    [[nodiscard]] FieldView<T> view(Layer layer) const {
+    template <class T> [[nodiscard]] FieldView<T> view(Layer layer) const {
         SAHEL_CHECK(layers_.contains(layer));
         SAHEL_CHECK_EQ((info_of(layer).type == LayerType::real), (std::is_same_v<T, float>));
         const auto column = column_[static_cast<size_t>(layer)];

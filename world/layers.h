@@ -40,34 +40,49 @@ enum class Layer : uint8_t {
     dune,
     canyon,
     wetness,
+    // what the wind did in the last step that was simulated; zero where there was none
+    wind_x,
+    wind_y,
+    wind_shadow,
+    echo,
     count_
 };
 inline constexpr int k_layer_count = static_cast<int>(Layer::count_);
+
+enum class LayerRole : uint8_t {
+    state,  ///< of the world: stored, hashed, in the ledger
+    shown,  ///< stored with the state of a tile, to look at; no part of the world's hash
+    derived ///< made anew when asked for
+};
 
 struct LayerInfo {
     Layer layer;
     std::string_view name;
     std::string_view unit;
     LayerType type;
-    bool persisted; ///< part of the world's state: stored, hashed, in the ledger
+    LayerRole role;
     LodFilter lod_filter;
     std::string_view help;
 };
 
 // clang-format off
 inline constexpr std::array<LayerInfo, k_layer_count> k_layers = {{
-    {Layer::bedrock,       "bedrock",       "m", LayerType::ticks, true,  LodFilter::mean,    "Height of the rock surface above the datum"},
-    {Layer::soil,          "soil",          "m", LayerType::ticks, true,  LodFilter::mean,    "Thickness of soil on the rock"},
-    {Layer::sand,          "sand",          "m", LayerType::ticks, true,  LodFilter::mean,    "Thickness of loose sand on the soil"},
-    {Layer::water,         "water",         "m", LayerType::ticks, true,  LodFilter::mean,    "Depth of standing or flowing water"},
-    {Layer::sediment,      "sediment",      "m", LayerType::ticks, true,  LodFilter::mean,    "Sediment suspended in the water"},
-    {Layer::airborne_sand, "airborne_sand", "m", LayerType::ticks, true,  LodFilter::mean,    "Sand carried by the wind"},
-    {Layer::moisture,      "moisture",      "m", LayerType::ticks, true,  LodFilter::mean,    "Water held by the ground"},
-    {Layer::mask,          "mask",          "",  LayerType::flags, true,  LodFilter::any_bit, "Bit 0: filled because the source had no data; bit 1: sea; bit 2: outside the source"},
-    {Layer::mountain,      "mountain",      "",  LayerType::real,  false, LodFilter::mean,    "Weight of the mountain region"},
-    {Layer::dune,          "dune",          "",  LayerType::real,  false, LodFilter::mean,    "Weight of the dune region"},
-    {Layer::canyon,        "canyon",        "",  LayerType::real,  false, LodFilter::mean,    "Weight of the canyon region"},
-    {Layer::wetness,       "wetness",       "",  LayerType::real,  false, LodFilter::mean,    "Wetness of the climate, about -1 to 1"},
+    {Layer::bedrock,       "bedrock",       "m", LayerType::ticks, LayerRole::state,    LodFilter::mean,    "Height of the rock surface above the datum"},
+    {Layer::soil,          "soil",          "m", LayerType::ticks, LayerRole::state,    LodFilter::mean,    "Thickness of soil on the rock"},
+    {Layer::sand,          "sand",          "m", LayerType::ticks, LayerRole::state,    LodFilter::mean,    "Thickness of loose sand on the soil"},
+    {Layer::water,         "water",         "m", LayerType::ticks, LayerRole::state,    LodFilter::mean,    "Depth of standing or flowing water"},
+    {Layer::sediment,      "sediment",      "m", LayerType::ticks, LayerRole::state,    LodFilter::mean,    "Sediment suspended in the water"},
+    {Layer::airborne_sand, "airborne_sand", "m", LayerType::ticks, LayerRole::state,    LodFilter::mean,    "Sand carried by the wind"},
+    {Layer::moisture,      "moisture",      "m", LayerType::ticks, LayerRole::state,    LodFilter::mean,    "Water held by the ground"},
+    {Layer::mask,          "mask",          "",  LayerType::flags, LayerRole::state,    LodFilter::any_bit, "Bit 0: filled because the source had no data; bit 1: sea; bit 2: outside the source"},
+    {Layer::mountain,      "mountain",      "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Weight of the mountain region"},
+    {Layer::dune,          "dune",          "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Weight of the dune region"},
+    {Layer::canyon,        "canyon",        "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Weight of the canyon region"},
+    {Layer::wetness,       "wetness",       "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Wetness of the climate, about -1 to 1"},
+    {Layer::wind_x,        "wind_x",        "m/s", LayerType::real, LayerRole::shown,   LodFilter::mean, "Wind of the last step towards the east"},
+    {Layer::wind_y,        "wind_y",        "m/s", LayerType::real, LayerRole::shown,   LodFilter::mean, "Wind of the last step towards the south"},
+    {Layer::wind_shadow,   "wind_shadow",   "",  LayerType::real,  LayerRole::shown,   LodFilter::mean,  "Shelter from that wind, 0 to 1"},
+    {Layer::echo,          "echo",          "",  LayerType::real,  LayerRole::shown,   LodFilter::mean,  "Before cliffs: above 0 sand stays, below 0 the wind digs"},
 }};
 // clang-format on
 
@@ -80,7 +95,9 @@ constexpr bool layer_table_in_order() {
 } // namespace detail
 static_assert(detail::layer_table_in_order(), "k_layers must list every Layer in order");
 
-constexpr const LayerInfo& info_of(Layer layer) { return k_layers[static_cast<size_t>(layer)]; }
+constexpr const LayerInfo& info_of(Layer layer) {
+    return k_layers[static_cast<size_t>(layer)];
+}
 
 /// A set of layers, in table order.
 class LayerSet {
@@ -97,8 +114,7 @@ class LayerSet {
     [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
     [[nodiscard]] constexpr int size() const { return __builtin_popcount(bits_); }
     [[nodiscard]] constexpr uint32_t bits() const { return bits_; }
-    template <class F>
-    constexpr void for_each(F&& f) const {
+    template <class F> constexpr void for_each(F&& f) const {
         for (int i = 0; i < k_layer_count; ++i)
             if (contains(static_cast<Layer>(i))) f(static_cast<Layer>(i));
     }
@@ -110,13 +126,16 @@ class LayerSet {
 };
 static_assert(k_layer_count <= 32);
 
-/// What a world stores and hashes.
-inline constexpr LayerSet k_persisted_layers = [] {
+constexpr LayerSet layers_of(LayerRole role) {
     LayerSet set;
     for (const auto& info : k_layers)
-        if (info.persisted) set.insert(info.layer);
+        if (info.role == role) set.insert(info.layer);
     return set;
-}();
+}
+/// What a world is: what is hashed.
+inline constexpr LayerSet k_state_layers = layers_of(LayerRole::state);
+/// What a tile's file holds.
+inline constexpr LayerSet k_stored_layers = k_state_layers.united(layers_of(LayerRole::shown));
 
 /// The four materials the surface is made of, bottom to top.
 inline constexpr LayerSet k_surface_layers{Layer::bedrock, Layer::soil, Layer::sand, Layer::water};

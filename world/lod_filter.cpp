@@ -21,13 +21,13 @@ int32_t filtered(const LayerInfo& info, int32_t a, int32_t b, int32_t c, int32_t
 
 Result<StoredTile> make_parent(TileKey parent, const std::array<const StoredTile*, 4>& children) {
     const int n = children[0]->tile_cells, half = n / 2;
-    SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(parent.level, tile_rect(parent, n), 0, k_persisted_layers));
+    SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(parent.level, tile_rect(parent, n), 0, k_stored_layers));
     std::vector<int32_t> rows(static_cast<size_t>(n) * 2);
     for (int q = 0; q < 4; ++q) {
         const StoredTile& child = *children[static_cast<size_t>(q)];
         SAHEL_CHECK(child.key == parent.child(q));
         SAHEL_CHECK_EQ(child.tile_cells, n);
-        k_persisted_layers.for_each([&](Layer layer) {
+        k_stored_layers.for_each([&](Layer layer) {
             const LayerInfo& info = info_of(layer);
             for (int y = 0; y < half; ++y) {
                 child.copy_row(layer, 0, 2 * y, n, rows.data());

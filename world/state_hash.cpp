@@ -20,9 +20,9 @@ std::string to_hex(const Digest& d) {
 
 std::vector<int32_t> block_cells(const StoredTile& tile, int bx, int by) {
     std::vector<int32_t> cells(static_cast<size_t>(k_hash_block_cells) * k_hash_block_cells *
-                               static_cast<size_t>(k_persisted_layers.size()));
+                               static_cast<size_t>(k_state_layers.size()));
     int32_t* to = cells.data();
-    k_persisted_layers.for_each([&](Layer layer) {
+    k_state_layers.for_each([&](Layer layer) {
         for (int y = 0; y < k_hash_block_cells; ++y, to += k_hash_block_cells)
             tile.copy_row(layer, bx * k_hash_block_cells, by * k_hash_block_cells + y, k_hash_block_cells, to);
     });

@@ -380,7 +380,8 @@ Result<std::vector<Inbox>> StoreIndex::inboxes(std::optional<TileKey> key, std::
         Inbox inbox{{0, s.integer(0), s.integer(1)}, Layer::count_, {}};
         const std::string name = s.text(2);
         for (const LayerInfo& info : k_layers)
-            if (info.name == name && info.persisted && info.type == LayerType::ticks) inbox.layer = info.layer;
+            if (info.name == name && info.role == LayerRole::state && info.type == LayerType::ticks)
+                inbox.layer = info.layer;
         const std::vector<uint8_t> bytes = s.blob(3);
         if (inbox.layer == Layer::count_ || digest_of(name, inbox.key, bytes) != s.text(4) ||
             !unpack_inbox(bytes, tile_area_, inbox.cells)) {

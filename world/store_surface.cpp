@@ -84,7 +84,7 @@ Status StoreSurface::overlay_stored(LayerBlock& block) const {
         if (!tile) return;
         const CellRect cells = tile_rect(key, tile_cells_);
         const CellRect part = cells.intersected(rect);
-        block.layers().intersected(k_persisted_layers).for_each([&](Layer layer) {
+        block.layers().intersected(k_stored_layers).for_each([&](Layer layer) {
             for (int64_t y = part.y0; y < part.y1; ++y) {
                 const auto to_x = static_cast<int32_t>(part.x0 - block.owned().x0),
                            to_y = static_cast<int32_t>(y - block.owned().y0);
@@ -113,7 +113,7 @@ Status StoreSurface::overlay_top(LayerBlock& block) const {
         SAHEL_ASSIGN(const auto tile, load_(key));
         if (!tile) continue;
         std::vector<int32_t> row(static_cast<size_t>(tile_cells_));
-        block.layers().intersected(k_persisted_layers).for_each([&](Layer layer) {
+        block.layers().intersected(k_stored_layers).for_each([&](Layer layer) {
             if (info_of(layer).type != LayerType::ticks)
                 return; // flags and reals keep the background's values that far out
             const auto view = block.ints(layer);

@@ -122,7 +122,7 @@ struct World::Impl {
         SAHEL_ASSIGN(auto stored, load(key));
         if (stored) return stored;
         SAHEL_ASSIGN(LayerBlock block,
-                     LayerBlock::allocate(key.level, tile_rect(key, desc.tile_cells), 0, k_persisted_layers));
+                     LayerBlock::allocate(key.level, tile_rect(key, desc.tile_cells), 0, k_state_layers));
         SAHEL_TRY(background.read(block));
         SAHEL_ASSIGN(StoredTile tile, make_stored_tile(key, desc.tile_cells, block));
         return std::make_shared<const StoredTile>(std::move(tile));
@@ -192,7 +192,7 @@ struct World::Impl {
     bool can_regenerate(const TileRow& row) const {
         if (row.key.level > 0) return true; // from the level below
         if (background.is_plain()) return false;
-        auto block = LayerBlock::allocate(0, tile_rect(row.key, desc.tile_cells), 0, k_persisted_layers);
+        auto block = LayerBlock::allocate(0, tile_rect(row.key, desc.tile_cells), 0, k_state_layers);
         if (!block.ok() || !background.read(*block).ok()) return false;
         const auto tile = make_stored_tile(row.key, desc.tile_cells, *block);
         return tile.ok() && hash_blocks(*tile) == row.blocks;
@@ -250,7 +250,7 @@ class CommitWriter {
     }
     Result<StoredTile> make_leaf(const TileUpdate& u) const {
         if (u.block) return make_stored_tile(u.key, tile_cells_, *u.block);
-        SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(0, tile_rect(u.key, tile_cells_), 0, k_persisted_layers));
+        SAHEL_ASSIGN(LayerBlock block, LayerBlock::allocate(0, tile_rect(u.key, tile_cells_), 0, k_stored_layers));
         block.clear();
         SAHEL_TRY(u.fill(block));
         return make_stored_tile(u.key, tile_cells_, block);
@@ -303,7 +303,7 @@ Status World::Impl::check_extras(std::span<const TileUpdate> updates, const Comm
     }
     const int64_t area = int64_t{desc.tile_cells} * desc.tile_cells;
     for (const Inbox& inbox : extras.inboxes) {
-        const bool known = inbox.layer < Layer::count_ && info_of(inbox.layer).persisted &&
+        const bool known = inbox.layer < Layer::count_ && info_of(inbox.layer).role == LayerRole::state &&
                            info_of(inbox.layer).type == LayerType::ticks;
         for (const InboxCell& c : inbox.cells)
             if (!known || inbox.key.level != 0 || c.cell < 0 || c.cell >= area)
@@ -320,7 +320,7 @@ Result<std::vector<BlockDigest>> World::Impl::waiting_blocks(const std::vector<I
     for (const Inbox& inbox : waiting) {
         SAHEL_ASSIGN(const auto stored, load(inbox.key));
         size_t plane = 0; // of the layer, among the persisted ones
-        k_persisted_layers.for_each([&](Layer l) { plane += l < inbox.layer; });
+        k_state_layers.for_each([&](Layer l) { plane += l < inbox.layer; });
         for (const InboxCell& c : inbox.cells) {
             const int bx = c.cell % n / k, by = c.cell / n / k;
             const int64_t block_y = inbox.key.y * (n / k) + by, block_x = inbox.key.x * (n / k) + bx;
@@ -329,7 +329,7 @@ Result<std::vector<BlockDigest>> World::Impl::waiting_blocks(const std::vector<I
                 cells = block_cells(*stored, bx, by);
             } else if (cells.empty()) {
                 SAHEL_ASSIGN(LayerBlock block,
-                             LayerBlock::allocate(0, tile_rect({0, block_x, block_y}, k), 0, k_persisted_layers));
+                             LayerBlock::allocate(0, tile_rect({0, block_x, block_y}, k), 0, k_state_layers));
                 SAHEL_TRY(background.read(block));
                 SAHEL_ASSIGN(const StoredTile tile, make_stored_tile({0, block_x, block_y}, k, block));
                 cells = block_cells(tile, 0, 0);
@@ -480,7 +480,7 @@ Result<LayerBlock> World::read_tile(TileKey key, LayerSet layers, MemoryPool& po
     SAHEL_ASSIGN(LayerBlock block,
                  LayerBlock::allocate(key.level, tile_rect(key, impl_->desc.tile_cells), 0, layers, pool));
     block.clear();
-    layers.intersected(k_persisted_layers).for_each([&](Layer layer) {
+    layers.intersected(k_stored_layers).for_each([&](Layer layer) {
         for (int y = 0; y < impl_->desc.tile_cells; ++y) {
             int32_t* to = info_of(layer).type == LayerType::real ? reinterpret_cast<int32_t*>(block.reals(layer).row(y))
                                                                  : block.ints(layer).row(y);

@@ -48,8 +48,8 @@ struct WorldDesc {
     std::string simulation; ///< a JSON object that this floor keeps and does not read; empty: none
 };
 
-/// One tile of a commit: every persisted layer of the owned cells of a level 0 tile (a halo is ignored; layers that the
-/// block lacks are stored as zero). Either a block, or a function that fills one (zeroed, every persisted layer): tiles
+/// One tile of a commit: every stored layer of the owned cells of a level 0 tile (a halo is ignored; layers that the
+/// block lacks are stored as zero). Either a block, or a function that fills one (zeroed, every stored layer): tiles
 /// are asked for one by one, so that a commit of many needs the memory of few.
 struct TileUpdate {
     TileKey key;
@@ -131,7 +131,7 @@ class World {
     [[nodiscard]] Result<bool> has_tile(TileKey key) const;
     [[nodiscard]] Result<std::vector<TileKey>> tiles(int32_t level) const;
     /// The stored cells of a tile. Errors: not_found, corrupt (checksum), io.
-    [[nodiscard]] Result<LayerBlock> read_tile(TileKey key, LayerSet layers = k_persisted_layers,
+    [[nodiscard]] Result<LayerBlock> read_tile(TileKey key, LayerSet layers = k_stored_layers,
                                                MemoryPool& pool = MemoryPool::host()) const;
 
     /// What waits for a tile, or (without a key) for all, in order of tiles and layers. Errors: corrupt, io.

@@ -14,6 +14,20 @@ vec4 noise_at(vec2 uv, float scale, float log_m) {
     return textureLod(noise_map, uv, log_m + log2(scale * 512.0));
 }
 
+// Wind ripples, two wavelengths: the gradient they add, and how much darker their troughs are.
+vec3 ripples(vec2 q, vec2 along, vec2 phase, vec2 strength, float steep, float v1, float v2) {
+    float u = dot(q, along);
+    float f1 = 2.0 * k_pi * (u / 0.34 + phase.x) + 0.4 * v1;
+    float f2 = 2.0 * k_pi * (u / 2.3 + phase.y) + 0.9 * v2;
+    float r1 = cos(f1 + 0.55 * sin(f1)), r2 = cos(f2 + 0.5 * sin(f2));
+    return vec3(along * (strength.x * r1 * steep + 0.06 * strength.y * r2), 0.06 * strength.x * (0.5 + 0.5 * sin(f1)));
+}
+vec3 simulated_ripples(int direction, vec2 q, vec2 strength, float steep, float v1, float v2) {
+    float turn = float(direction) * (2.0 * k_pi / 24.0);
+    vec4 pair = ripple_phase[direction / 2];
+    return ripples(q, vec2(cos(turn), sin(turn)), direction % 2 == 0 ? pair.xy : pair.zw, strength, steep, v1, v2);
+}
+
 void main() {
     float d = length(rel);
     vec3 view = -rel / d;
@@ -115,14 +129,25 @@ void main() {
         // The pattern is bent by a blurred noise: with a sharp one ripples close into rings like the grain of wood.
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
         vec2 q = p + vec2(v3 * 1.6 + (blurred.b - 0.5) * 3.6, (blurred.a - 0.5) * 3.6);
-        float u = dot(q, wind.xy);
         float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.26, 0.06, slope);
         float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.30, 0.10, slope);
-        float f1 = 2.0 * k_pi * (u / 0.34 + wind.w) + 0.4 * v1;
-        float f2 = 2.0 * k_pi * (u / 2.3 + rock.w) + 0.9 * v2;
-        float r1 = cos(f1 + 0.55 * sin(f1)), r2 = cos(f2 + 0.5 * sin(f2));
-        n.xz -= wind.xy * (a1 * r1 * (0.07 + 0.20 * n2.a) + 0.06 * a2 * r2);
-        albedo *= 1.0 - 0.06 * a1 * (0.5 + 0.5 * sin(f1));
+        float steep = 0.07 + 0.20 * n2.a;
+        vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
+        vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
+        if (dot(blown, blown) < 0.09) {
+            bumps = ripples(q, wind.xy, vec2(wind.w, rock.w), vec2(a1, a2), steep, v1, v2);
+        } else {
+            // Where the wind was simulated it turns from place to place. Each of 24 directions has a pattern of its own
+            // that stays where it is as the eye moves; between two of them one gives way to the other along a ragged
+            // line, as ripples fork.
+            float turn = atan(blown.y, blown.x) * (24.0 / (2.0 * k_pi)) + 24.0;
+            float first = floor(turn);
+            float share = smoothstep(0.35, 0.65, turn - first + 1.2 * v3 + 0.8 * v2);
+            if (share < 1.0) bumps += (1.0 - share) * simulated_ripples(int(first) % 24, q, vec2(a1, a2), steep, v1, v2);
+            if (share > 0.0) bumps += share * simulated_ripples(int(first + 1.0) % 24, q, vec2(a1, a2), steep, v1, v2);
+        }
+        n.xz -= bumps.xy;
+        albedo *= 1.0 - bumps.z;
     }
     n = normalize(n);
 

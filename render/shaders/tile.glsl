@@ -3,6 +3,12 @@ layout(binding = 0) uniform sampler2DArray tile_normal;
 layout(binding = 1) uniform sampler2DArray tile_material;
 layout(binding = 2) uniform sampler2DArray tile_bake;
 layout(binding = 3) uniform sampler2DArray tile_water;
+layout(binding = 8) uniform sampler2DArray tile_wind;
+
+// Wind of the last simulated step, m/s east and south: 0 where there was none. See view_tile.h.
+vec2 wind_of(vec4 texel) {
+    return (texel.xy * 255.0 - 128.0) * (20.0 / 127.0);
+}
 
 vec3 tile_uv(vec2 cell, int slot) {
     return vec3((cell + 8.0) / 528.0, float(slot));

@@ -9,7 +9,7 @@ static std::vector<Bytes> exr_tile_seeds() {
     std::vector<Bytes> seeds;
     for (const TileCompression c :
          {TileCompression::zip, TileCompression::zips, TileCompression::piz, TileCompression::none}) {
-        auto block = LayerBlock::allocate(0, tile_rect({0, -3, 5}, 128), 0, k_persisted_layers).value();
+        auto block = LayerBlock::allocate(0, tile_rect({0, -3, 5}, 128), 0, k_state_layers).value();
         block.clear();
         for (int y = 0; y < 128; ++y)
             for (int x = 0; x < 128; ++x) {

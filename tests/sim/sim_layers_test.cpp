@@ -8,7 +8,7 @@
 namespace sahel {
 namespace {
 
-TEST(SimLayers, EveryConservedLayerIsAPersistedTickLayerOfTheWorld) {
+TEST(SimLayers, EveryConservedLayerIsATickLayerOfTheWorldsState) {
     k_conserved_layers.for_each([](SimLayer layer) {
         const SimLayerInfo& info = info_of(layer);
         ASSERT_TRUE(info.world.has_value()) << info.name;
@@ -16,7 +16,7 @@ TEST(SimLayers, EveryConservedLayerIsAPersistedTickLayerOfTheWorld) {
         EXPECT_EQ(info.name, stored.name);
         EXPECT_EQ(info.type, LayerType::ticks) << info.name;
         EXPECT_EQ(stored.type, LayerType::ticks) << info.name;
-        EXPECT_TRUE(stored.persisted) << info.name;
+        EXPECT_EQ(stored.role, LayerRole::state) << info.name;
     });
     EXPECT_EQ(k_conserved_count, 7);
 }

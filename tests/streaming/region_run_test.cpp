@@ -179,7 +179,7 @@ TEST_F(Region, WhatFlowsOverArrivesWhenTheNeighbourWakes) {
         std::vector<LayerBlock> blocks;
         std::vector<TileUpdate> updates;
         for (const int64_t x : {0, 1}) {
-            blocks.push_back(LayerBlock::allocate(0, tile_rect({0, x, 0}, 128), 0, k_persisted_layers).value());
+            blocks.push_back(LayerBlock::allocate(0, tile_rect({0, x, 0}, 128), 0, k_state_layers).value());
             ASSERT_TRUE(world.surface().read(blocks.back()).ok());
         }
         for (const int64_t x : {0, 1}) updates.push_back({{0, x, 0}, &blocks[static_cast<size_t>(x)]});
@@ -225,6 +225,32 @@ TEST_F(Region, WhatFlowsOverArrivesWhenTheNeighbourWakes) {
     ASSERT_TRUE(run.run(12).ok());
     EXPECT_EQ(solids(), opening);
     expect_closed(world);
+}
+
+TEST_F(Region, TheLastWindIsStoredToLookAt) {
+    World world = create("world");
+    RegionRun run = open_run(world, options_for({0, 0, 1, 1}));
+    ASSERT_TRUE(run.run(3).ok());
+    auto stored =
+        LayerBlock::allocate(0, tile_rect({0, 0, 0}, 128), 0, {Layer::wind_x, Layer::wind_y, Layer::wind_shadow})
+            .value();
+    ASSERT_TRUE(world.surface().read(stored).ok());
+    float fastest = 0.0f, most_shelter = 0.0f;
+    for (const auto& [sim, layer] : {std::pair{SimLayer::wind_x, Layer::wind_x},
+                                     {SimLayer::wind_y, Layer::wind_y},
+                                     {SimLayer::wind_shadow, Layer::wind_shadow}}) {
+        std::vector<float> cells(128 * 128);
+        ASSERT_TRUE(run.domain().store(0, sim, cells.data()).ok());
+        for (int y = 0; y < 128; ++y)
+            for (int x = 0; x < 128; ++x) {
+                const float v = stored.reals(layer)(x, y);
+                ASSERT_EQ(v, cells[static_cast<size_t>(y * 128 + x)]) << info_of(layer).name;
+                (layer == Layer::wind_shadow ? most_shelter : fastest) =
+                    std::max(layer == Layer::wind_shadow ? most_shelter : fastest, std::abs(v));
+            }
+    }
+    EXPECT_GT(fastest, 1.0f);
+    EXPECT_GT(most_shelter, 0.5f);
 }
 
 TEST_F(Region, SupplyIsANamedSource) {
@@ -319,7 +345,7 @@ TEST_F(Region, ATileThatSomethingElseChangedIsNotTaken) {
 
 TEST_F(Region, LayersThatTheSimulationLacksStayAsTheyAre) {
     World world = create("world");
-    LayerBlock block = LayerBlock::allocate(0, tile_rect({0, 0, 0}, 128), 0, k_persisted_layers).value();
+    LayerBlock block = LayerBlock::allocate(0, tile_rect({0, 0, 0}, 128), 0, k_state_layers).value();
     ASSERT_TRUE(world.surface().read(block).ok());
     block.ints(Layer::sediment)(5, 6) = 12345;
     block.ints(Layer::mask)(7, 8) = 2;

@@ -167,10 +167,10 @@ TEST(LayerSet, IsASetInTableOrder) {
     EXPECT_FALSE(set.contains(k_surface_layers));
     EXPECT_EQ(k_surface_layers.intersected(set), set);
     EXPECT_EQ(set.united(k_surface_layers), k_surface_layers);
-    EXPECT_TRUE(k_weight_layers.intersected(k_persisted_layers).empty());
+    EXPECT_TRUE(k_weight_layers.intersected(k_state_layers).empty());
     EXPECT_TRUE(LayerSet().empty());
     for (const LayerInfo& info : k_layers)
-        EXPECT_EQ(k_persisted_layers.contains(info.layer), info.persisted) << info.name;
+        EXPECT_EQ(k_state_layers.contains(info.layer), (info.role == LayerRole::state)) << info.name;
 }
 
 TEST(Layers, NamesAreUniqueAndConservedAmountsAreTicks) {
@@ -178,7 +178,7 @@ TEST(Layers, NamesAreUniqueAndConservedAmountsAreTicks) {
     for (const LayerInfo& info : k_layers) {
         EXPECT_TRUE(names.insert(info.name).second) << info.name;
         EXPECT_FALSE(info.help.empty()) << info.name;
-        EXPECT_TRUE(info.type != LayerType::ticks || info.persisted) << info.name;
+        EXPECT_TRUE(info.type != LayerType::ticks || (info.role == LayerRole::state)) << info.name;
         EXPECT_EQ(info.lod_filter == LodFilter::any_bit, info.type == LayerType::flags) << info.name;
     }
 }

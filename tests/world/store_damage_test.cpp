@@ -109,7 +109,7 @@ TEST_F(Store, ATileThatTheBaseTerrainStillGivesCanBeMadeAgain) {
     std::vector<std::string> files;
     {
         World world = create(desc(128, "oasis"));
-        auto block = LayerBlock::allocate(0, tile_rect({0, 0, 0}, 128), 0, k_persisted_layers);
+        auto block = LayerBlock::allocate(0, tile_rect({0, 0, 0}, 128), 0, k_state_layers);
         ASSERT_TRUE(world.surface().read(*block).ok());
         const LayerBlock other = make_tile({0, 1, 0}, 128);
         const std::vector<TileUpdate> updates = {{{0, 0, 0}, &*block}, {{0, 1, 0}, &other}};

@@ -53,8 +53,8 @@ TEST_F(Store, AWorldOfFormatOneIsReadAsItWasWritten) {
         blocks.reserve(k_keys.size());
         for (const TileKey key : k_keys) {
             const CellRect rect = tile_rect(key, 128);
-            blocks.push_back(LayerBlock::allocate(0, rect, 0, k_persisted_layers).value());
-            k_persisted_layers.for_each([&](Layer layer) {
+            blocks.push_back(LayerBlock::allocate(0, rect, 0, k_state_layers).value());
+            k_state_layers.for_each([&](Layer layer) {
                 for (int y = 0; y < 128; ++y)
                     for (int x = 0; x < 128; ++x)
                         blocks.back().ints(layer)(x, y) = golden_value(layer, rect.x0 + x, rect.y0 + y);
@@ -78,7 +78,7 @@ TEST_F(Store, AWorldOfFormatOneIsReadAsItWasWritten) {
         const CellRect rect = tile_rect(key, 128);
         const auto block = world->read_tile(key);
         ASSERT_TRUE(block.ok()) << block.error().message;
-        k_persisted_layers.for_each([&](Layer layer) {
+        k_state_layers.for_each([&](Layer layer) {
             int64_t wrong = 0;
             for (int y = 0; y < 128; ++y)
                 for (int x = 0; x < 128; ++x)

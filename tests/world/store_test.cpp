@@ -193,6 +193,43 @@ TEST_F(Store, RefusesWhatCannotBeAWorld) {
     EXPECT_EQ(with("{", "[").kind, ErrorKind::corrupt);
 }
 
+TEST_F(Store, WhatIsOnlyShownIsKeptBesideTheStateAndIsNoPartOfIt) {
+    World still = create(desc(), "still"), windy = create(desc(), "windy");
+    const TileKey key{0, 0, 0};
+    ASSERT_TRUE(commit_tiles(still, 1, {key}).ok());
+    const LayerBlock state = make_tile(key, 128);
+    auto all = LayerBlock::allocate(0, tile_rect(key, 128), 0, k_stored_layers).value();
+    all.clear();
+    for (int y = 0; y < 128; ++y)
+        for (int x = 0; x < 128; ++x) {
+            for (const Layer l : {Layer::bedrock, Layer::sand}) all.ints(l)(x, y) = state.ints(l)(x, y);
+            all.reals(Layer::wind_x)(x, y) = 4.0f;
+            all.reals(Layer::wind_shadow)(x, y) = static_cast<float>(x) / 128.0f;
+        }
+    const TileUpdate update{key, &all};
+    ASSERT_TRUE(windy.commit(1, std::span(&update, 1)).ok());
+    EXPECT_EQ(still.hash().value(), windy.hash().value());
+
+    constexpr LayerSet k_wind{Layer::wind_x, Layer::wind_y, Layer::wind_shadow};
+    const auto read = [&](const World& world, int32_t level, const CellRect& rect) {
+        auto block = LayerBlock::allocate(level, rect, 0, k_wind).value();
+        EXPECT_TRUE(world.surface().read(block).ok());
+        return block;
+    };
+    const CellRect across{120, 0, 136, 4}; // and of the tile beside it, which is not stored
+    const LayerBlock near = read(windy, 0, across), none = read(still, 0, across);
+    for (int x = 0; x < 16; ++x) {
+        EXPECT_EQ(near.reals(Layer::wind_x)(x, 1), x < 8 ? 4.0f : 0.0f) << x;
+        EXPECT_EQ(near.reals(Layer::wind_shadow)(x, 1), x < 8 ? static_cast<float>(120 + x) / 128.0f : 0.0f) << x;
+        EXPECT_EQ(near.reals(Layer::wind_y)(x, 1), 0.0f);
+        EXPECT_EQ(none.reals(Layer::wind_x)(x, 1), 0.0f);
+    }
+    const LayerBlock far = read(windy, 1, {0, 0, 80, 8}); // the mean of four cells; half of the parent is calm
+    EXPECT_EQ(far.reals(Layer::wind_x)(3, 3), 4.0f);
+    EXPECT_EQ(far.reals(Layer::wind_shadow)(3, 3), 6.5f / 128.0f);
+    EXPECT_EQ(far.reals(Layer::wind_x)(70, 3), 0.0f);
+}
+
 TEST_F(Store, TilesCanBeAskedForOneByOne) {
     World a = create(desc(), "a"), b = create(desc(), "b");
     std::vector<TileKey> keys;
@@ -203,7 +240,7 @@ TEST_F(Store, TilesCanBeAskedForOneByOne) {
     for (const TileKey key : keys)
         updates.push_back({key, nullptr, [&, key](LayerBlock& to) -> Status {
                                most = std::max(most, ++alive);
-                               EXPECT_EQ(to.layers(), k_persisted_layers);
+                               EXPECT_EQ(to.layers(), k_stored_layers);
                                const LayerBlock from = make_tile(key, 128);
                                for (const Layer l : {Layer::bedrock, Layer::sand})
                                    for (int y = 0; y < 128; ++y)

@@ -9,7 +9,7 @@ namespace sahel::tools {
 std::string bench_hash(const LayerBlock& block) {
     std::vector<int32_t> cells;
     const auto w = static_cast<int32_t>(block.owned().width());
-    block.layers().intersected(k_persisted_layers).for_each([&](Layer l) {
+    block.layers().intersected(k_state_layers).for_each([&](Layer l) {
         const auto view = block.ints(l);
         for (int32_t y = 0; y < static_cast<int32_t>(block.owned().height()); ++y)
             cells.insert(cells.end(), view.row(y), view.row(y) + w);
