@@ -58,6 +58,29 @@ float linear_of(uint8_t v) {
     }();
     return table[v];
 }
+/// Lines of a caption: at its line ends, and where a line would be wider than there is room, between words.
+std::vector<std::string> lines_of(const std::string& caption, const TextPainter& painter, int width_px) {
+    std::vector<std::string> lines(1);
+    std::string word;
+    const auto end_word = [&] {
+        const std::string longer = lines.back().empty() ? word : lines.back() + " " + word;
+        if (!lines.back().empty() && painter.width_px(longer) > width_px)
+            lines.push_back(word);
+        else
+            lines.back() = longer;
+        word.clear();
+    };
+    for (const char c : caption) {
+        if (c != ' ' && c != '\n')
+            word += c;
+        else
+            end_word();
+        if (c == '\n') lines.emplace_back();
+    }
+    end_word();
+    return lines;
+}
+
 uint8_t encoded(float linear) {
     const float s = linear <= 0.0031308f ? linear * 12.92f : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
     return static_cast<uint8_t>(std::lround(std::clamp(s, 0.0f, 1.0f) * 255.0f));
@@ -146,14 +169,16 @@ Result<Image> make_contact_sheet(const std::vector<ContactSheetItem>& items, con
         return std::max(
             1, static_cast<int>(std::lround(static_cast<double>(image.height_px) * o.cell_width_px / image.width_px)));
     };
-    const int caption_px = caption.line_px() + o.gap_px / 2;
+    std::vector<std::vector<std::string>> captions;
+    for (const ContactSheetItem& item : items) captions.push_back(lines_of(item.caption, caption, o.cell_width_px));
     const int title_px = o.title.empty() ? 0 : title.line_px() + o.gap_px;
     std::vector<int> row_top(rows + 1, o.gap_px + title_px);
     for (size_t r = 0; r < rows; ++r) {
         int height = 0;
         for (size_t i = r * columns; i < std::min(items.size(), (r + 1) * columns); ++i)
-            height = std::max(height, scaled_height(*items[i].image));
-        row_top[r + 1] = row_top[r] + height + caption_px + o.gap_px;
+            height = std::max(height, scaled_height(*items[i].image) +
+                                          static_cast<int>(captions[i].size()) * caption.line_px());
+        row_top[r + 1] = row_top[r] + height + o.gap_px / 2 + o.gap_px;
     }
 
     Image sheet(o.gap_px + static_cast<int>(columns) * (o.cell_width_px + o.gap_px), row_top[rows], 4);
@@ -169,7 +194,9 @@ Result<Image> make_contact_sheet(const std::vector<ContactSheetItem>& items, con
                 std::copy_n(small.at(x, y), 3, to);
                 to[3] = 255;
             }
-        caption.draw(sheet, left, top + small.height_px + o.gap_px / 3, items[i].caption, o.ink);
+        for (size_t k = 0; k < captions[i].size(); ++k)
+            caption.draw(sheet, left, top + small.height_px + o.gap_px / 3 + static_cast<int>(k) * caption.line_px(),
+                         captions[i][k], o.ink);
     }
     return sheet;
 }

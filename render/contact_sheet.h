@@ -46,7 +46,7 @@ struct ContactSheetOptions {
     PixelColour paper{24, 24, 26, 255};
     PixelColour ink{232, 228, 218, 255};
 };
-/// Pictures row by row, each with its caption below. Errors: usage (no picture, no pixels).
+/// Pictures row by row, each with its caption of one or more lines below. Errors: usage (no picture, no pixels).
 Result<Image> make_contact_sheet(const std::vector<ContactSheetItem>& items, const ContactSheetOptions& options = {});
 
 } // namespace sahel

@@ -207,9 +207,9 @@ TEST(LogFit, IsExactForPowersAndRefusesLess) {
 
 TEST(Relief, HeapAtReposeHasNoExcessAndAllSymmetries) {
     const double volume = 100.0 * 100.0 * 400.0;
-    const double top = octagon_heap_height(volume, k_tan33);
+    const double top = heap_heights(volume, k_tan33).lower_octagon_m;
     EXPECT_NEAR(top, 115.2, 0.06);
-    EXPECT_NEAR(octagon_heap_height(199.0 * 199.0 * 400.0, k_tan33), 182.2, 0.06);
+    EXPECT_NEAR(heap_heights(199.0 * 199.0 * 400.0, k_tan33).lower_octagon_m, 182.2, 0.06);
     const auto heap = [&](double cx, double cy) {
         return Plane::made(400, 400, 1.0, [=](int x, int y) {
             const double u = std::abs(x - cx);

@@ -32,6 +32,12 @@ double cell_noise(uint64_t seed, int32_t x, int32_t y) {
     return static_cast<double>(h >> 11) * 0x1.0p-53;
 }
 
+SandParams dune_sand() {
+    SandParams sand;
+    sand.avalanche_max_sweeps = 50;
+    return sand;
+}
+
 Result<DuneRun> DuneRun::create(DuneRunDesc desc, const Setup& setup) {
     setup.wind.apply(desc.wind);
     setup.sand.apply(desc.sand);

@@ -21,12 +21,16 @@ struct Ground {
     std::function<bool(int32_t x, int32_t y)> object;
 };
 
+/// The defaults with at most as many sweeps of avalanches in a step as the paper makes, 50: what is still sliding then
+/// slides on in the next step.
+SandParams dune_sand();
+
 struct DuneRunDesc {
     int32_t cells_x = 128; ///< multiples of 64
     int32_t cells_y = 128;
     double cell_m = 1.0;
     WindParams wind;
-    SandParams sand;
+    SandParams sand = dune_sand();
     std::optional<WindSchedule> schedule; ///< else the wind's own
     Ground ground;
     uint64_t seed = 1;

@@ -113,9 +113,11 @@ double asymmetry8(const Plane& plane, int64_t twice_x, int64_t twice_y) {
     return worst;
 }
 
-double octagon_heap_height(double volume_m3, double repose_tangent) {
-    const double area = 8.0 * (std::sqrt(2.0) - 1.0); // of a regular octagon with apothem 1: 3.3137
-    return std::cbrt(3.0 * volume_m3 * repose_tangent * repose_tangent / area);
+HeapHeights heap_heights(double volume_m3, double repose_tangent) {
+    const double cube = 3.0 * volume_m3 * repose_tangent * repose_tangent;
+    const double around = 8.0 * (std::sqrt(2.0) - 1.0); // area of a regular octagon around the circle of radius 1
+    const double within = 2.0 * std::sqrt(2.0);         // and of the one within it
+    return {std::cbrt(cube / around), std::cbrt(cube / k_pi), std::cbrt(cube / within)};
 }
 
 SidesAlong sides_along(const Plane& h, double angle_deg, const CellMask* mask) {

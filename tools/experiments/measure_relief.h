@@ -33,9 +33,15 @@ SlopeExcess slope_excess(const Plane& height_m, const Plane& sand_m, const Plane
 /// The point is given twice: 2 x centre, so that it may lie between cells.
 double asymmetry8(const Plane& plane, int64_t twice_x, int64_t twice_y);
 
-/// The heap with the least relief that eight directions hold up: a regular octagonal pyramid (Desertscape method 5.3),
-/// H^3 = 3 V tan^2 / 3.3137.
-double octagon_heap_height(double volume_m3, double repose_tangent);
+/// Heaps of one volume at repose. Eight directions hold up every shape between two octagonal pyramids: the lower one
+/// (Desertscape method 5.3; H^3 = 3 V tan^2 / 3.3137) has faces towards the eight directions, the higher one
+/// (2.8284) has edges there. Between them lies the cone of revolution (pi), which prefers no direction.
+struct HeapHeights {
+    double lower_octagon_m = 0.0;
+    double cone_m = 0.0;
+    double higher_octagon_m = 0.0;
+};
+HeapHeights heap_heights(double volume_m3, double repose_tangent);
 
 /// Slopes along a direction where the ground rises and where it falls, each by its 95th percentile over the cells of
 /// the mask: dunes under one wind rise gently and fall steeply.
