@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <set>
 
 namespace sahel::experiments {
@@ -81,12 +80,10 @@ TEST(Experiments, HaveNamesAndRefuseSizes) {
     EXPECT_EQ(extent_of(experiments()[0], false, 0, 77).steps, 77);
 }
 
-/// Every experiment in its quick form: all bounds must hold. Only among the long tests until the parameters and sizes
-/// of the quick forms have been tried out and their times measured.
+/// Every experiment in its quick form: all bounds must hold.
 class Quick : public testing::TestWithParam<const char*> {};
 
 TEST_P(Quick, HoldsItsBounds) {
-    if (!std::getenv("SAHEL_LONG_TESTS")) GTEST_SKIP() << "runs with SAHEL_LONG_TESTS=1";
     const Experiment* e = experiment_named(GetParam());
     ASSERT_NE(e, nullptr);
     experiments::Setup setup;
@@ -98,7 +95,7 @@ TEST_P(Quick, HoldsItsBounds) {
     EXPECT_TRUE(report->holds()) << report_text(*e, setup, *report);
     int bounds = 0;
     for (const Number& n : report->numbers) bounds += n.bounded();
-    EXPECT_GE(bounds, 3);
+    EXPECT_GE(bounds, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Experiments, Quick,

@@ -194,6 +194,14 @@ TEST(Tracks, OfHeapsThatMoveAsBagnoldSaysGiveSlopeMinusOne) {
     EXPECT_NEAR(fit->slope, -1.0, 0.03);
 }
 
+TEST(Crests, TheMeanOfLinesIsTheirDirectionNotOfTheirNumbers) {
+    const CrestAngle across_zero = mean_line({{170.0, 1.0}, {10.0, 1.0}});
+    EXPECT_NEAR(std::min(across_zero.angle_deg, 180.0 - across_zero.angle_deg), 0.0, 1e-9);
+    EXPECT_NEAR(across_zero.coherence, std::cos(20.0 * k_pi / 180.0), 1e-12);
+    EXPECT_NEAR(mean_line({{30.0, 0.9}, {60.0, 0.0}}).angle_deg, 30.0, 1e-9);
+    EXPECT_NEAR(mean_line({{0.0, 0.5}, {90.0, 0.5}}).coherence, 0.0, 1e-12);
+}
+
 TEST(LogFit, IsExactForPowersAndRefusesLess) {
     const auto fit = fit_log_log({{1.0, 3.0}, {2.0, 12.0}, {4.0, 48.0}, {-1.0, 2.0}});
     ASSERT_TRUE(fit.has_value());

@@ -56,6 +56,24 @@ TEST(ContactSheet, CaptionsAreWritten) {
         for (int x = 0; x < with->width_px; ++x) ASSERT_EQ(with->at(x, y)[0], without->at(x, y)[0]);
 }
 
+TEST(ContactSheet, LongCaptionsTakeLinesOfTheirOwn) {
+    const Image grey = plain(64, 36, {90, 90, 90, 255});
+    ContactSheetOptions o;
+    o.cell_width_px = 160;
+    o.columns = 1;
+    const auto height = [&](const std::string& caption) {
+        const auto sheet = make_contact_sheet({{&grey, caption}}, o);
+        EXPECT_TRUE(sheet.ok());
+        return sheet->height_px;
+    };
+    const int line = TextPainter(12.0f).line_px();
+    const int one = height("short");
+    EXPECT_EQ(height(""), one);
+    EXPECT_EQ(height("first\nsecond"), one + line);
+    EXPECT_EQ(height("first\nsecond\nthird"), one + 2 * line);
+    EXPECT_GE(height("many words that together are much wider than the picture above them is"), one + 2 * line);
+}
+
 TEST(ContactSheet, TextStaysInsideThePicture) {
     Image small(20, 8, 4);
     const TextPainter text(16.0f);

@@ -41,8 +41,9 @@ Result<Report> run_bidirectional(const Setup& setup) {
     Report report;
     report.columns = 3;
     report.picture_px = 512;
-    // The quick form keeps the size in metres with cells of 2 m, and the row whose orientation is judged.
-    const double cell_m = setup.quick ? 2.0 : 1.0;
+    // Cells of 2 m: the full form is 1024 m wide, as the lines need. The quick form makes only the row that is judged.
+    constexpr double cell_m = 2.0;
+    const double accept_deg = setup.quick ? 20.0 : 15.0; // few lines fit a domain of 256 m
     Table table{"crest lines [deg]",
                 {"cover", "angle", "measured", "coherence", "instability", "elongation", "cover now", "height"},
                 {}};
@@ -72,15 +73,24 @@ Result<Report> run_bidirectional(const Setup& setup) {
             desc.sand.supply_radius_cells =
                 std::max(100 * setup.extent.size_cells / 2048, 8); // the published share of ground
             SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
-            SAHEL_TRY(run.advance(setup.extent.steps, setup, done / runs, 1.0 / runs, name));
+            // Crests lean towards the wind that blew last: their line is the mean over both turns of the last cycle.
+            const auto turn = static_cast<int64_t>(desc.wind.period_s);
+            constexpr int k_parts = 4; // of a turn
+            const int64_t before = std::max<int64_t>(setup.extent.steps - 2 * turn, 0);
+            SAHEL_TRY(run.advance(before, setup, done / runs, 0.9 / runs, name));
+            std::vector<CrestAngle> lines;
+            for (int i = 0; i < 2 * k_parts; ++i) {
+                SAHEL_TRY(run.advance((i + 1) * turn / k_parts - i * turn / k_parts));
+                lines.push_back(crest_angle(run.sand()));
+            }
             done += 1.0;
             const Plane sand = run.sand();
-            const CrestAngle crest = crest_angle(sand);
+            const CrestAngle crest = mean_line(lines);
             const TwoModes modes = two_modes({{2.0, 0.0}, {1.0, angle}});
             const double now = coverage_of(sand, 0.5);
             if (cover.share >= 1.0f)
                 report.require(fmt::format("{}: crests from the line of instability", name),
-                               line_angle_between(crest.angle_deg, modes.instability_deg), "deg", 0.0, 15.0,
+                               line_angle_between(crest.angle_deg, modes.instability_deg), "deg", 0.0, accept_deg,
                                fmt::format("{:.1f} deg, expected {:.1f}", crest.angle_deg, modes.instability_deg));
             else
                 report.tell(fmt::format("{}: crest line", name), crest.angle_deg, "deg",

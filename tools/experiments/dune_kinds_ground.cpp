@@ -126,8 +126,8 @@ Status dunes_round_obstacle(const Setup& setup, Stretch work, Report& report) {
     desc.cells_x = desc.cells_y = n;
     const Obstacle o{n / 2 - n / 10, n / 2, n / 8, n / 4};
     desc.wind = plain_wind(5.0f, 0.0f);
+    desc.sand.reptation_smooth = 1.0f;
     desc.wind.warp = true;
-    desc.wind.warp_gain = 10.0f;
     desc.wind.warp_radius_1_m = static_cast<float>(n) / 5.0f;
     desc.wind.warp_radius_2_m = static_cast<float>(n) / 20.0f;
     desc.ground.bedrock_m = [=](int32_t x, int32_t y) { return o.holds(x, y) ? 40.0 : 0.0; };
@@ -165,6 +165,9 @@ Status dunes_round_obstacle(const Setup& setup, Stretch work, Report& report) {
                    fmt::format("coherence {:.2f}", north_crest.coherence));
     report.require("obstacle: the same, south", line_angle_between(south_crest.angle_deg, south_wind + 90.0), "deg",
                    0.0, 20.0, fmt::format("coherence {:.2f}", south_crest.coherence));
+    const double apart = std::remainder(south_crest.angle_deg - north_crest.angle_deg, 180.0);
+    report.require("obstacle: crests of both sides turned apart, as the winds", apart, "deg", 5.0, 60.0,
+                   fmt::format("winds {:.0f} deg apart", south_wind - north_wind));
     if (setup.pictures)
         report.pictures.push_back(
             {ground_picture(run),

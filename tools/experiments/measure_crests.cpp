@@ -23,6 +23,19 @@ CrestAngle crest_angle(const Plane& h, const CellMask* mask) {
     return {crest, spread / trace};
 }
 
+CrestAngle mean_line(const std::vector<CrestAngle>& lines) {
+    if (lines.empty()) return {};
+    double c = 0.0, s = 0.0;
+    for (const CrestAngle& line : lines) {
+        const double twice = 2.0 * line.angle_deg * k_pi / 180.0;
+        c += line.coherence * std::cos(twice);
+        s += line.coherence * std::sin(twice);
+    }
+    double angle = 0.5 * std::atan2(s, c) * 180.0 / k_pi;
+    if (angle < 0.0) angle += 180.0;
+    return {angle, std::hypot(c, s) / static_cast<double>(lines.size())};
+}
+
 namespace {
 
 double growth(const std::vector<FluxWind>& winds, double gamma, double angle_deg) {

@@ -13,6 +13,8 @@ struct CrestAngle {
 /// The weaker eigenvector of the structure tensor, the sum of g gT over all cells (of `mask`, if given), where the
 /// gradient g is taken over two cells to each side. A level field has coherence 0.
 CrestAngle crest_angle(const Plane& height_m, const CellMask* mask = nullptr);
+/// The mean of lines: of their doubled angles, each with its coherence as weight.
+CrestAngle mean_line(const std::vector<CrestAngle>& lines);
 
 /// A wind of the theory: sand flux and the direction it blows to.
 struct FluxWind {
