@@ -82,7 +82,7 @@ Status short_hops(const Setup& setup, Report& report) {
 /// Cells in sight of a wall that the strip of erosion must hold: from them, down the wind, the wall is nearer than the
 /// range less two cells, and the wind does not graze it. Gives the share that is not marked.
 double holes_at(const Plane& echo, const Obstacle& o, double wind_deg, double range_m) {
-    constexpr double k_deep = 6.0; // a ray that leaves the wall again before this only grazed it
+    const double deep = 0.35 * o.radius; // a ray that leaves the wall again before this met it at less than 10 degrees
     const Vec2 d = unit_of(wind_deg);
     int64_t wanted = 0, missing = 0;
     for (int32_t y = 0; y < echo.height; ++y)
@@ -92,8 +92,8 @@ double holes_at(const Plane& echo, const Obstacle& o, double wind_deg, double ra
             for (double way = 1.0; way <= range_m - 2.0 && !near; way += 0.25)
                 near = o.holds(static_cast<int32_t>(std::lround(x + way * d.x)),
                                static_cast<int32_t>(std::lround(y + way * d.y))) &&
-                       o.holds(static_cast<int32_t>(std::lround(x + (way + k_deep) * d.x)),
-                               static_cast<int32_t>(std::lround(y + (way + k_deep) * d.y)));
+                       o.holds(static_cast<int32_t>(std::lround(x + (way + deep) * d.x)),
+                               static_cast<int32_t>(std::lround(y + (way + deep) * d.y)));
             if (!near) continue;
             ++wanted;
             missing += !(echo.at(x, y) < 0.0f);
@@ -108,10 +108,12 @@ Status closed_strips(const Setup& setup, Report& report) {
     plot.x = {"wind [deg]", false, 0.0, 90.0};
     plot.y = {"holes in the strip [share of its cells]", false, 0.0, {}};
     plot.series = {{"bilinear", {}, plot_colour(0), true}, {"nearest", {}, plot_colour(1), true}};
+    Table table{"cells of the strip that are not marked, %", {"wind [deg]", "bilinear", "nearest"}, {}};
     double worst_fine = 0.0, worst_coarse = 0.0;
     const int step = setup.quick ? 15 : 5;
     for (int angle = 0; angle <= 90; angle += step) {
         setup.tell(0.2 + 0.3 * angle / 90.0, "strips at cliffs");
+        table.rows.push_back({fmt::format("{}", angle)});
         for (const bool fine : {true, false}) {
             DuneRunDesc desc;
             desc.cells_x = desc.cells_y = n;
@@ -127,6 +129,7 @@ Status closed_strips(const Setup& setup, Report& report) {
             const double share = holes_at(echo, o, angle, double{desc.sand.echo_erosion_range} * 15.0);
             double& worst = fine ? worst_fine : worst_coarse;
             worst = std::max(worst, share);
+            table.rows.back().push_back(fmt::format("{:.2f}", 100.0 * share));
             plot.series[fine ? 0 : 1].points.push_back({static_cast<double>(angle), share});
             if (setup.pictures && angle == 30)
                 report.pictures.push_back(
@@ -135,6 +138,7 @@ Status closed_strips(const Setup& setup, Report& report) {
                                  fine ? "bilinear" : "nearest", 100.0 * share)});
         }
     }
+    report.tables.push_back(std::move(table));
     report.require("strip at cliffs, bilinear: worst share of holes over all angles", worst_fine, "", 0.0, 0.0,
                    "E3: no hole");
     report.tell("strip at cliffs, nearest: worst share of holes", worst_coarse, "");

@@ -25,8 +25,9 @@ Result<Report> run_timestep(const Setup& setup) {
     desc.ground.sand_m = [=](int32_t x, int32_t y) {
         const double u = 2.0 * k_pi * x / n;
         const double v = 2.0 * k_pi * y / n;
-        return 8.0 + 1.6 * std::sin(2.0 * u + std::sin(v)) + 1.2 * std::sin(3.0 * u - v + 1.0) +
-               0.8 * std::sin(u + 2.0 * v);
+        return n / 128.0 * // the same slopes in every size
+               (8.0 + 1.6 * std::sin(2.0 * u + std::sin(v)) + 1.2 * std::sin(3.0 * u - v + 1.0) +
+                0.8 * std::sin(u + 2.0 * v));
     };
     constexpr std::array<float, 4> k_steps = {2.0f, 1.0f, 0.5f, 0.25f};
     const Plane start = Plane::made(n, n, 1.0, desc.ground.sand_m);
