@@ -14,7 +14,6 @@ namespace sahel {
 
 namespace {
 
-constexpr int32_t k_largest_tile = 512;
 constexpr float k_covered_m = 0.1f; // of the reports, whatever the scene's supply counts
 
 Status fill(TileDomain& domain, const SceneGround& g) {
@@ -45,8 +44,8 @@ double quantile(std::vector<float>& values, double share) {
 
 } // namespace
 
-Result<TileLayout> scene_layout(int32_t width, int32_t height, int32_t least_halo) {
-    int32_t tile = k_largest_tile;
+Result<TileLayout> scene_layout(int32_t width, int32_t height, int32_t least_halo, int32_t most_tile_cells) {
+    int32_t tile = most_tile_cells;
     while (tile > k_scene_side_step && (width % tile != 0 || height % tile != 0)) tile /= 2;
     if (width % tile != 0 || height % tile != 0)
         return Error{ErrorKind::usage, fmt::format("a grid of {} x {} cells cannot be cut into tiles of {}", width,
@@ -87,14 +86,24 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
     }
     desc.cell_m = scene.cell_m;
     desc.seed = options.seed;
-    SAHEL_ASSIGN(TileLayout layout, scene_layout(ground.width, ground.height, Aeolian::least_halo(desc)));
+    SAHEL_ASSIGN(TileLayout layout,
+                 scene_layout(ground.width, ground.height, Aeolian::least_halo(desc), options.most_tile_cells));
     SAHEL_ASSIGN(TileDomain domain, TileDomain::create(std::move(layout), Aeolian::layers(desc)));
     SAHEL_TRY(fill(domain, ground));
     SAHEL_ASSIGN(Aeolian aeolian, Aeolian::create(desc, domain));
     SceneRun run(std::move(ground), std::move(domain), std::move(aeolian));
     run.cell_m_ = scene.cell_m;
     SAHEL_ASSIGN(run.start_ticks_, run.solids());
+    if (options.ledger) {
+        SAHEL_ASSIGN(run.ledger_, Ledger::open(run.domain_));
+    }
     return run;
+}
+
+Result<LedgerCheck> SceneRun::ledger_check() {
+    if (!ledger_) return Error{ErrorKind::usage, "this run keeps no ledger"};
+    SAHEL_TRY(ledger_->close(domain_));
+    return ledger_->check();
 }
 
 Status SceneRun::step() {

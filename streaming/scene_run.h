@@ -1,10 +1,12 @@
 #pragma once
 
 #include "sim/aeolian.h"
+#include "sim/ledger.h"
 #include "sim/tile_domain.h"
 #include "streaming/scene_ground.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 /// A scene that runs: a periodic domain of tiles filled from its ground, advanced by wind and sand, measured.
@@ -19,6 +21,8 @@ struct SceneRunOptions {
     bool until_quiet = false; ///< avalanches run until nothing slides, instead of the file's count of sweeps
     int wind_every = 1;       ///< steps between two solutions of the wind; the published program solves it every step
     uint64_t seed = 1;
+    int32_t most_tile_cells = 512;
+    bool ledger = false; ///< account for every tick, tile by tile
 };
 
 /// What method 5.1 asks for, and the books.
@@ -56,6 +60,8 @@ class SceneRun {
     /// fresh memory holds.
     [[nodiscard]] Result<std::vector<float>> field(SimLayer layer) const;
     [[nodiscard]] Result<SceneReport> report() const;
+    /// The ledger up to now. Errors: usage (it was not asked for), those of the device.
+    [[nodiscard]] Result<LedgerCheck> ledger_check();
 
   private:
     SceneRun(SceneGround ground, TileDomain domain, Aeolian aeolian)
@@ -65,12 +71,13 @@ class SceneRun {
     SceneGround ground_;
     TileDomain domain_;
     Aeolian aeolian_;
+    std::optional<Ledger> ledger_;
     double cell_m_ = 1.0;
     int64_t steps_ = 0;
     int64_t start_ticks_ = 0;
 };
 
 /// The tiling of a grid whose sides are multiples of k_scene_side_step. Errors: usage (a halo wider than a tile).
-Result<TileLayout> scene_layout(int32_t width, int32_t height, int32_t least_halo);
+Result<TileLayout> scene_layout(int32_t width, int32_t height, int32_t least_halo, int32_t most_tile_cells = 512);
 
 } // namespace sahel

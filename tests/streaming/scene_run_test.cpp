@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
 namespace sahel::test {
 namespace {
@@ -150,6 +152,40 @@ TEST(SceneRunTest, StickyMapsMayBeKept) {
     }
 }
 
+/// P2 over every published dune scene, with abrasion on, on two by two tiles (wind tunnels: two).
+TEST(PublishedScenes, TheLedgerOfEachClosesToZero) {
+    if (!std::getenv("SAHEL_LONG_TESTS")) GTEST_SKIP() << "runs with SAHEL_LONG_TESTS=1";
+    const auto dunes = published_scenes("scenes-dunes");
+    if (dunes.empty()) GTEST_SKIP() << "the published scenes are not here";
+    int scenes = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(dunes)) {
+        if (entry.path().extension() != ".json") continue;
+        auto scene = load_scene(entry.path());
+        ASSERT_TRUE(scene.ok()) << scene.error().message;
+        scene->sand.abrasion = std::max(scene->sand.abrasion, 0.1f);
+        const std::string name = entry.path().filename().string();
+        const bool longer = name == "barchans.json" || name == "abrasion.json" || name == "bidir_64_105.json";
+        auto run = SceneRun::create(*scene, {.ground = {.size = 256}, .most_tile_cells = 128, .ledger = true});
+        ASSERT_TRUE(run.ok()) << entry.path() << ": " << run.error().message;
+        const int steps = longer ? 2000 : 200;
+        for (int i = 0; i < steps; ++i) {
+            const Status status = run->step();
+            ASSERT_TRUE(status.ok()) << entry.path() << ": " << status.error().message;
+        }
+        const auto check = run->ledger_check();
+        ASSERT_TRUE(check.ok());
+        EXPECT_TRUE(check->closed()) << entry.path() << ": " << check->text;
+        const auto report = run->report();
+        ASSERT_TRUE(report.ok());
+        EXPECT_EQ(report->drift_ticks, 0) << entry.path();
+        std::printf("%-45s %2d tiles, %d steps: residual %lld ticks\n", name.c_str(), run->domain().slots(), steps,
+                    static_cast<long long>(check->total[0] + report->drift_ticks));
+        std::fflush(stdout);
+        ++scenes;
+    }
+    EXPECT_GE(scenes, 20);
+}
+
 TEST(PublishedScenes, AHandfulRuns) {
     const auto dunes = published_scenes("scenes-dunes");
     const auto oasis = published_scenes("scenes-oasis");
@@ -157,8 +193,9 @@ TEST(PublishedScenes, AHandfulRuns) {
     for (const auto& file : {dunes / "A_512.json", dunes / "2023" / "B_512.json", dunes / "star.json",
                              dunes / "abrasion.json", dunes / "vegetation.json", dunes / "extremeWindWarping.json",
                              dunes / "bidir_22_105.json", oasis / "desert.json"}) {
-        auto run = make_run(file, {.ground = {.size = 128}});
+        auto run = make_run(file, {.ground = {.size = 128}, .most_tile_cells = 64, .ledger = true});
         ASSERT_TRUE(run.ok()) << run.error().message;
+        EXPECT_EQ(run->domain().slots(), 4);
         for (int i = 0; i < 3; ++i) {
             const Status status = run->step();
             ASSERT_TRUE(status.ok()) << file << ": " << status.error().message;
@@ -166,6 +203,9 @@ TEST(PublishedScenes, AHandfulRuns) {
         const auto report = run->report();
         ASSERT_TRUE(report.ok());
         EXPECT_EQ(report->drift_ticks, 0) << file;
+        const auto check = run->ledger_check();
+        ASSERT_TRUE(check.ok());
+        EXPECT_TRUE(check->closed()) << file << ": " << check->text;
         EXPECT_GT(report->airborne_mean_m, 0.0) << file;
         EXPECT_TRUE(std::isfinite(report->excess_max)) << file;
     }
