@@ -171,7 +171,9 @@ Result<Image> make_contact_sheet(const std::vector<ContactSheetItem>& items, con
     };
     std::vector<std::vector<std::string>> captions;
     for (const ContactSheetItem& item : items) captions.push_back(lines_of(item.caption, caption, o.cell_width_px));
-    const int title_px = o.title.empty() ? 0 : title.line_px() + o.gap_px;
+    const int width_px = o.gap_px + static_cast<int>(columns) * (o.cell_width_px + o.gap_px);
+    const std::vector<std::string> title_lines = lines_of(o.title, title, width_px - 2 * o.gap_px);
+    const int title_px = o.title.empty() ? 0 : static_cast<int>(title_lines.size()) * title.line_px() + o.gap_px;
     std::vector<int> row_top(rows + 1, o.gap_px + title_px);
     for (size_t r = 0; r < rows; ++r) {
         int height = 0;
@@ -181,9 +183,10 @@ Result<Image> make_contact_sheet(const std::vector<ContactSheetItem>& items, con
         row_top[r + 1] = row_top[r] + height + o.gap_px / 2 + o.gap_px;
     }
 
-    Image sheet(o.gap_px + static_cast<int>(columns) * (o.cell_width_px + o.gap_px), row_top[rows], 4);
+    Image sheet(width_px, row_top[rows], 4);
     for (size_t p = 0; p < sheet.pixels.size(); ++p) sheet.pixels[p] = o.paper[p % 4];
-    if (!o.title.empty()) title.draw(sheet, o.gap_px, o.gap_px, o.title, o.ink);
+    for (size_t k = 0; k < title_lines.size(); ++k)
+        title.draw(sheet, o.gap_px, o.gap_px + static_cast<int>(k) * title.line_px(), title_lines[k], o.ink);
     for (size_t i = 0; i < items.size(); ++i) {
         const Image small = shrink_image(*items[i].image, o.cell_width_px, scaled_height(*items[i].image));
         const int left = o.gap_px + static_cast<int>(i % columns) * (o.cell_width_px + o.gap_px);

@@ -14,7 +14,7 @@ constexpr std::array k_experiments = {
     Experiment{"dunes",         "Seven kinds of dunes under their winds",                      "Paper, Figures 1, 2, 5; method 5.5 E1, E2, E7", {256, 200}, {512, 1000}, run_dunes},
     Experiment{"bidirectional", "Two winds: crest angles by angle and cover",                  "Paper, Figure 3; method 5.4",              {128, 500},  {512, 2000},  run_bidirectional},
     Experiment{"migration",     "Small barchans overtake large ones",                          "Bagnold 1941; method 5.5",                 {256, 150},  {512, 300},   run_migration},
-    Experiment{"reptation",     "Impacts smooth dunes, too many make ripples",                 "Paper, Figure 4; method 5.5 E6",           {128, 300},  {128, 300},   run_reptation},
+    Experiment{"reptation",     "Impacts smooth dunes, too many level them",                   "Paper, Figure 4; method 5.5 E6",           {128, 300},  {128, 300},   run_reptation},
     Experiment{"bilinear",      "Sampling between cells: cliffs, bent wind, short hops",       "Paper, Figure 7; method 5.5 E3, E4, E5",   {128, 100},  {512, 1000},  run_bilinear},
     Experiment{"shadow",        "Shelter along a line or along the bent wind",                 "Paper, Section 4.2; method 5.5 E8",        {128, 200},  {512, 1000},  run_shadow},
     Experiment{"venturi",       "Wind that grows with height gathers no sand when projected",  "Method 5.5 E9",                            {128, 100},  {512, 200},   run_venturi},
