@@ -1,12 +1,17 @@
 #include "sim/avalanche_rows.h"
 
+#include <vector>
+
 namespace sahel::SAHEL_ISA_NAMESPACE {
 
 namespace {
 
 constexpr int32_t k_rim = 2;
 constexpr int32_t k_first = 1; // word of a row's first cell; before it and behind the last are words that never slide
-constexpr int32_t k_width = k_first + k_slide_block_x + 2 * k_rim;
+// Blocks that lie side by side are worked out together: the longer the rows, the less of them is rim, and the longer
+// ago a word was written that a loop reads between two vectors (a processor waits for such words).
+constexpr int32_t k_strip_blocks = 8;
+constexpr int32_t k_width = k_first + k_strip_blocks * k_slide_block_x + 2 * k_rim;
 constexpr int32_t k_lanes = 8;
 constexpr int32_t k_row = (k_width + k_lanes + 1 + 15) / 16 * 16; // words: the cells, and a few that never slide
 constexpr int32_t k_no_cell = 1 << 29;                            // their height; they stand at any slope
@@ -25,6 +30,11 @@ SAHEL_HD int32_t smaller(int32_t a, int32_t b) {
 // Loops over a row end at a whole number of vectors: what they work out beyond is 0.
 SAHEL_HD int32_t whole(int32_t count) {
     return (count + k_lanes - 1) / k_lanes * k_lanes;
+}
+
+// Words of a row of so many cells that some loop looks at.
+SAHEL_HD int32_t used(int32_t cells) {
+    return smaller(k_first + whole(cells) + k_lanes + 1, k_row);
 }
 
 // What the kernels know of a row of cells.
@@ -86,7 +96,8 @@ void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t
         to.across[i] = 2 * k_no_cell;
     };
     no_cell(0);
-    for (int32_t i = k_first + x1 - x0; i < k_row; ++i) no_cell(i);
+    const int32_t end = used(x1 - x0);
+    for (int32_t i = k_first + x1 - x0; i < end; ++i) no_cell(i);
     if (all_give) return;
     for (int32_t i = 0; i < x1 - x0; ++i)
         if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
@@ -125,13 +136,12 @@ SAHEL_HD int32_t slid(int32_t excess, float share_first, float share_second) {
     return slide_amount(excess, det::pick(excess > 0, share_first, share_second));
 }
 
-// Excess into what slides.
+// Excess into what slides, of the words [begin, end).
 SAHEL_HD int32_t slide_rows(const float* share, const float* share_below, int32_t* e, int32_t* se, int32_t* s,
-                            int32_t* sw, int32_t cells) {
+                            int32_t* sw, int32_t begin, int32_t end) {
     int32_t any = 0;
-    const int32_t end = k_first + whole(cells);
     SAHEL_VECTORIZE
-    for (int32_t i = k_first; i < end; ++i) {
+    for (int32_t i = begin; i < end; ++i) {
         const float here = share[i];
         const int32_t to_e = slid(e[i], here, share[i + 1]);
         const int32_t to_se = slid(se[i], here, share_below[i + 1]);
@@ -164,7 +174,8 @@ SAHEL_HD void share_row(const SlideRule& rule, const int32_t* limit, const int32
         share[i] = slide_share(r, sum, most, limit[i]);
     }
     share[0] = share[k_first] = 0.0f;
-    for (int32_t i = to; i < k_row; ++i) share[i] = 0.0f;
+    const int32_t last = used(cells);
+    for (int32_t i = to; i < last; ++i) share[i] = 0.0f;
 }
 
 // The ring of rows of one block. Pairs are overwritten by what slides between them.
@@ -197,19 +208,35 @@ SAHEL_HD void gather_row(const int32_t* e, const int32_t* se, const int32_t* s, 
     }
 }
 
-bool sweep_block(const SlideSweep& f, const SlideWork& work, Ring& ring) {
+// Blocks side by side: the same slot, the same rows.
+struct Strip {
+    const SlideWork* work;
+    int32_t count;
+    uint8_t* slid; // null: not wanted
+    [[nodiscard]] LocalRect rect() const {
+        return {work[0].rect.x0, work[0].rect.y0, work[count - 1].rect.x1, work[0].rect.y1};
+    }
+};
+
+void sweep_strip(const SlideSweep& f, const Strip& strip, Ring& ring) {
     const SlideGround& g = f.ground;
-    const LocalRect rect = work.rect;
-    const int32_t slot = work.slot;
+    const LocalRect rect = strip.rect();
+    const int32_t slot = strip.work[0].slot;
     const int32_t w = rect.x1 - rect.x0; // cell x of the block is word x - x0 + k_first + k_rim
     const bool all_give = plain(g, slot, rect, k_rim);
     const SlabView<const int32_t> plane = g.sliding();
+    const int32_t words = used(w + 2 * k_rim);
     for (int32_t i = 0; i < k_ring; ++i) { // words that pair_rows leaves and share_row looks at
-        for (int32_t c = k_first + whole(w + 2 * k_rim); c < k_row; ++c)
+        for (int32_t c = k_first + whole(w + 2 * k_rim); c < words; ++c)
             ring.e[i][c] = ring.se[i][c] = ring.s[i][c] = ring.sw[i][c] = 0;
     }
     int32_t steep[k_ring] = {}; // pairs of a row that are not 0, and then what slides in them
-    int32_t any = 0;
+    // What slides from the two cells before a block on counts as the block's: it wakes the blocks around it, and all
+    // that this can change lies in those.
+    int32_t any[k_strip_blocks] = {};
+    int32_t end[k_strip_blocks];
+    for (int32_t b = 0; b < strip.count; ++b)
+        end[b] = k_first + (b + 1 < strip.count ? strip.work[b].rect.x1 - rect.x0 : whole(w + 2 * k_rim));
     for (int32_t r = rect.y0 - k_rim; r < rect.y1 + k_rim; ++r) {
         const int32_t i0 = r & (k_ring - 1);
         const int32_t i1 = (r - 1) & (k_ring - 1);
@@ -226,14 +253,19 @@ bool sweep_block(const SlideSweep& f, const SlideWork& work, Ring& ring) {
             share_row(f.rule, up.limit, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], ring.se[i2], ring.s[i2],
                       ring.sw[i2], ring.share[i1], w + 2 * k_rim);
         } else {
-            for (int32_t i = 0; i < k_row; ++i) ring.share[i1][i] = 0.0f;
+            for (int32_t i = 0; i < words; ++i) ring.share[i1][i] = 0.0f;
         }
         if (r == rect.y0) continue; // the row above the block's rim gives nothing to it
         // What slides from row r - 2 downwards and within it: its shares and those of r - 1 are known.
-        if (steep[i2] != 0)
-            steep[i2] = slide_rows(ring.share[i2], ring.share[i1], ring.e[i2], ring.se[i2], ring.s[i2], ring.sw[i2],
-                                   w + 2 * k_rim);
-        any |= steep[i2];
+        if (steep[i2] != 0) {
+            steep[i2] = 0;
+            for (int32_t b = 0, begin = k_first; b < strip.count; begin = end[b++]) {
+                const int32_t moved = slide_rows(ring.share[i2], ring.share[i1], ring.e[i2], ring.se[i2], ring.s[i2],
+                                                 ring.sw[i2], begin, end[b]);
+                any[b] |= moved;
+                steep[i2] |= moved;
+            }
+        }
         if (r - 2 < rect.y0) continue;
         const int32_t y = r - 2;
         const int32_t* const from = plane.row(slot, y) + rect.x0;
@@ -258,7 +290,8 @@ bool sweep_block(const SlideSweep& f, const SlideWork& work, Ring& ring) {
             }
         }
     }
-    return any != 0;
+    if (strip.slid)
+        for (int32_t b = 0; b < strip.count; ++b) strip.slid[b] = any[b] != 0;
 }
 
 bool probe_block(const SlideProbe& f, const SlideWork& work, Ring& ring) {
@@ -282,11 +315,11 @@ bool probe_block(const SlideProbe& f, const SlideWork& work, Ring& ring) {
 
 // The flows of a row of cells, whose rim is one cell wide, to the east and to the row below.
 SAHEL_HD int32_t flow_rows(const SlideInertia& rule, const Cells& a, const Cells& b, int32_t* e, int32_t* se,
-                           int32_t* s, int32_t* sw, int32_t count) {
+                           int32_t* s, int32_t* sw, int32_t begin, int32_t end) {
     const SlideInertia r = rule;
     int32_t any = 0;
     SAHEL_VECTORIZE
-    for (int32_t i = 0; i < count; ++i) {
+    for (int32_t i = begin; i < end; ++i) {
         const int32_t c = i + k_first + 1;
         const int32_t h = a.height[c];
         const SlideSide beside{a.repose[c], a.limit[c]};
@@ -304,16 +337,18 @@ SAHEL_HD int32_t flow_rows(const SlideInertia& rule, const Cells& a, const Cells
     return any;
 }
 
-bool flow_block(const SlideFlows& f, const SlideWork& work, Ring& ring) {
-    const LocalRect rect = work.rect;
+void flow_strip(const SlideFlows& f, const Strip& strip, Ring& ring) {
+    const SlideWork& work = strip.work[0];
+    const LocalRect rect = strip.rect();
     const int32_t w = rect.x1 - rect.x0;
     const bool all_give = plain(f.ground, work.slot, rect, 1);
-    int32_t any = 0;
+    const int32_t words = used(w + 2);
+    int32_t any[k_strip_blocks] = {};
     for (int32_t r = rect.y0; r <= rect.y1; ++r) {
         Cells& now = ring.cells[r & 1];
         load_row(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
         SAHEL_VECTORIZE
-        for (int32_t i = 0; i < k_row; ++i) now.limit[i] = slide_cap(now.limit[i]);
+        for (int32_t i = 0; i < words; ++i) now.limit[i] = slide_cap(now.limit[i]);
         if (r == rect.y0) continue;
         const Cells& up = ring.cells[(r - 1) & 1];
         const int32_t y = r - 1;
@@ -329,7 +364,10 @@ bool flow_block(const SlideFlows& f, const SlideWork& work, Ring& ring) {
                 s[i] = f.ground.remembered(work.slot, x, y, x, y + 1, s[i]);
                 sw[i] = f.ground.remembered(work.slot, x, y, x - 1, y + 1, sw[i]);
             }
-        any |= flow_rows(f.rule, up, now, e, se, s, sw, w);
+        for (int32_t b = 0; b < strip.count; ++b) {
+            const LocalRect& own = strip.work[b].rect;
+            any[b] |= flow_rows(f.rule, up, now, e, se, s, sw, own.x0 - rect.x0, own.x1 - rect.x0);
+        }
         if (!all_give)
             for (int32_t i = 0; i < w; ++i) {
                 const int32_t x = rect.x0 + i;
@@ -339,11 +377,13 @@ bool flow_block(const SlideFlows& f, const SlideWork& work, Ring& ring) {
                 if (f.ground.sealed(work.slot, x, y, x - 1, y + 1)) sw[i] = 0;
             }
     }
-    return any != 0;
+    if (strip.slid)
+        for (int32_t b = 0; b < strip.count; ++b) strip.slid[b] = any[b] != 0;
 }
 
-bool apply_block(const SlideApply& f, const SlideWork& work, Ring&) {
-    const LocalRect rect = work.rect;
+void apply_strip(const SlideApply& f, const Strip& strip, Ring&) {
+    const SlideWork& work = strip.work[0];
+    const LocalRect rect = strip.rect();
     const int32_t w = rect.x1 - rect.x0;
     const bool all_live = plain(f.ground, work.slot, rect, 0);
     for (int32_t y = rect.y0; y < rect.y1; ++y) {
@@ -364,41 +404,67 @@ bool apply_block(const SlideApply& f, const SlideWork& work, Ring&) {
                 gather_row<false>(e + i, se + i, s + i, sw + i, up_se + i, up_s + i, up_sw + i, 1, sand + i, sand + i,
                                   nullptr);
     }
-    return false;
+    if (strip.slid)
+        for (int32_t b = 0; b < strip.count; ++b) strip.slid[b] = 0;
 }
 
-template <class F, bool (*Block)(const F&, const SlideWork&, Ring&)> struct Job {
-    const SlideLaunch* launch;
+void probe_strip(const SlideProbe& f, const Strip& strip, Ring& ring) {
+    for (int32_t b = 0; b < strip.count; ++b) {
+        const bool steep = probe_block(f, strip.work[b], ring);
+        if (strip.slid) strip.slid[b] = static_cast<uint8_t>(steep);
+    }
+}
+
+std::vector<Strip> strips_of(const SlideLaunch& l) {
+    std::vector<Strip> strips;
+    for (int32_t i = 0; i < l.count; ++i) {
+        const SlideWork& w = l.work[i];
+        if (!strips.empty() && strips.back().count < k_strip_blocks) {
+            Strip& last = strips.back();
+            const SlideWork& before = last.work[last.count - 1];
+            if (before.slot == w.slot && before.rect.y0 == w.rect.y0 && before.rect.y1 == w.rect.y1 &&
+                before.rect.x1 == w.rect.x0) {
+                ++last.count;
+                continue;
+            }
+        }
+        strips.push_back({&w, 1, l.slid ? l.slid + i : nullptr});
+    }
+    return strips;
+}
+
+template <class F, void (*Work)(const F&, const Strip&, Ring&)> struct Job {
+    const std::vector<Strip>* strips;
+    bool backward;
     const F* pass;
     static void run(const void* context, int64_t index) {
         const Job& job = *static_cast<const Job*>(context);
-        const SlideLaunch& l = *job.launch;
-        const int64_t i = l.backward ? l.count - 1 - index : index;
+        const auto i = static_cast<size_t>(index);
         Ring ring;
-        const bool slid = Block(*job.pass, l.work[i], ring);
-        if (l.slid) l.slid[i] = static_cast<uint8_t>(slid);
+        Work(*job.pass, (*job.strips)[job.backward ? job.strips->size() - 1 - i : i], ring);
     }
 };
 
-template <class F, bool (*Block)(const F&, const SlideWork&, Ring&)> void run_all(const SlideLaunch& l, const F& pass) {
+template <class F, void (*Work)(const F&, const Strip&, Ring&)> void run_all(const SlideLaunch& l, const F& pass) {
     if (l.count == 0) return;
-    const Job<F, Block> job{&l, &pass};
-    detail::run_blocks(l.name, l.cells, l.count, &Job<F, Block>::run, &job);
+    const std::vector<Strip> strips = strips_of(l);
+    const Job<F, Work> job{&strips, l.backward, &pass};
+    detail::run_blocks(l.name, l.cells, static_cast<int64_t>(strips.size()), &Job<F, Work>::run, &job);
 }
 
 } // namespace
 
 void probe_slides(const SlideLaunch& l, const SlideProbe& f) {
-    run_all<SlideProbe, probe_block>(l, f);
+    run_all<SlideProbe, probe_strip>(l, f);
 }
 void sweep_slides(const SlideLaunch& l, const SlideSweep& f) {
-    run_all<SlideSweep, sweep_block>(l, f);
+    run_all<SlideSweep, sweep_strip>(l, f);
 }
 void flow_slides(const SlideLaunch& l, const SlideFlows& f) {
-    run_all<SlideFlows, flow_block>(l, f);
+    run_all<SlideFlows, flow_strip>(l, f);
 }
 void apply_slides(const SlideLaunch& l, const SlideApply& f) {
-    run_all<SlideApply, apply_block>(l, f);
+    run_all<SlideApply, apply_strip>(l, f);
 }
 
 } // namespace sahel::SAHEL_ISA_NAMESPACE

@@ -6,6 +6,9 @@
 
 #include <cstdlib>
 #include <limits>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 namespace sahel {
 
@@ -16,6 +19,18 @@ void poison(void* data, uint64_t bytes) {
     for (uint64_t i = 0; i < bytes / 4; ++i) words[i] = 0x7FA00000u; // a signalling NaN
 }
 #endif
+
+/// Large columns lie in huge pages where the kernel grants them: a row of a wide slab is a page of its own, and passes
+/// that read several columns row by row would wait for the page tables as long as for the data.
+void* allocate_host(uint64_t bytes) {
+    constexpr uint64_t k_huge_page = uint64_t{2} << 20;
+    const bool huge = bytes >= 2 * k_huge_page;
+    void* data = std::aligned_alloc(huge ? k_huge_page : Buffer::k_alignment, bytes);
+#if defined(__linux__)
+    if (huge && data) madvise(data, bytes, MADV_HUGEPAGE); // a wish: nothing depends on it
+#endif
+    return data;
+}
 } // namespace
 
 MemoryPool::~MemoryPool() {
@@ -61,7 +76,7 @@ Result<Buffer> Buffer::allocate(MemoryPool& pool, uint64_t bytes) {
         }
         data = allocated.value();
     } else {
-        data = std::aligned_alloc(k_alignment, rounded);
+        data = allocate_host(rounded);
         if (!data) {
             pool.release(rounded);
             return Error{ErrorKind::io,
