@@ -12,8 +12,7 @@ WindPlane WindProjection::plane(int32_t nx, int32_t ny) {
     return WindPlane::in(memory_.back().data(), nx, ny);
 }
 
-WindProjection::WindProjection(int32_t nx, int32_t ny, bool periodic_x, bool periodic_y)
-    : nx_(nx), ny_(ny), periodic_x_(periodic_x), periodic_y_(periodic_y) {
+WindProjection::WindProjection(int32_t nx, int32_t ny, bool periodic_x, bool periodic_y) {
     // Corners along an axis of n cells: n where periodic, else the n - 1 inner ones.
     const auto corners = [](int32_t n, bool periodic) { return periodic ? n : n - 1; };
     if (corners(nx, periodic_x) <= 0 || corners(ny, periodic_y) <= 0) return;

@@ -70,8 +70,6 @@ class WindProjection {
   private:
     WindPlane plane(int32_t nx, int32_t ny);
 
-    int32_t nx_, ny_;
-    bool periodic_x_, periodic_y_;
     std::vector<std::vector<float>> memory_;
     std::vector<double> row_sums_;
     std::vector<ProjectLevel> levels_;
