@@ -25,9 +25,10 @@ void poison(void* data, uint64_t bytes) {
 void* allocate_host(uint64_t bytes) {
     constexpr uint64_t k_huge_page = uint64_t{2} << 20;
     const bool huge = bytes >= 2 * k_huge_page;
-    void* data = std::aligned_alloc(huge ? k_huge_page : Buffer::k_alignment, bytes);
+    void* data = nullptr;
+    if (posix_memalign(&data, huge ? k_huge_page : Buffer::k_alignment, bytes) != 0) return nullptr;
 #if defined(__linux__)
-    if (huge && data) madvise(data, bytes, MADV_HUGEPAGE); // a wish: nothing depends on it
+    if (huge) madvise(data, bytes, MADV_HUGEPAGE); // a wish: nothing depends on it
 #endif
     return data;
 }
