@@ -9,7 +9,22 @@ namespace sahel {
 
 Status WithheldTerrain::read(LayerBlock& block) const {
     if (block.level() < least_level) return Error{ErrorKind::unsupported, "this level is withheld"};
-    return terrain_.read(block);
+    SAHEL_TRY(terrain_.read(block));
+    const LayerSet shown{Layer::wind_x, Layer::wind_y, Layer::wind_shadow, Layer::airborne_sand};
+    if (wind_deg < 0.0f || !block.layers().contains(shown)) return {};
+    const float turn = wind_deg * 0.017453293f;
+    const auto wx = block.reals(Layer::wind_x), wy = block.reals(Layer::wind_y),
+               shelter = block.reals(Layer::wind_shadow);
+    const auto air = block.ints(Layer::airborne_sand);
+    for (int32_t y = wx.y0; y < wx.y1; ++y)
+        for (int32_t x = wx.x0; x < wx.x1; ++x) {
+            const bool stripe = ((block.owned().x0 + x) & 63) < 16;
+            wx(x, y) = std::cos(turn) * (stripe ? 4.0f : 8.0f);
+            wy(x, y) = std::sin(turn) * (stripe ? 4.0f : 8.0f);
+            shelter(x, y) = stripe ? 0.75f : 0.0f;
+            air(x, y) = stripe ? ticks_of_metres(0.1f) : 0;
+        }
+    return {};
 }
 
 Scene::Scene(const SceneOptions& o) : terrain(o.seed, o.preset), ground(terrain, 1) {

@@ -24,6 +24,9 @@ class WithheldTerrain final : public SurfaceSource {
     Status read(LayerBlock& block) const override;
     [[nodiscard]] double cell_m() const override { return terrain_.cell_m(); }
     std::atomic<int> least_level{0};
+    /// As if wind had been simulated, blowing to this direction (0 east, 90 south) at 8 m/s, more slowly in a stripe
+    /// every 64 cells, where there is shelter and sand in the air. Below 0: no wind.
+    std::atomic<float> wind_deg{-1.0f};
 
   private:
     BaseTerrain terrain_;

@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -68,8 +71,47 @@ TEST_F(GlTest, ParentsStandInUntilTheirChildrenCome) {
     EXPECT_LT(all.mean, 0.10) << "a parent shows the same landscape";
 }
 
+/// Ripples lie across the wind that was simulated: brightness changes along it, hardly across.
+TEST_F(GlTest, RipplesFollowTheSimulatedWind) {
+    SceneOptions options = options_of(0);
+    options.preset = "dunes";
+    Image calm;
+    for (const float wind_deg : {-1.0f, 0.0f, 90.0f}) {
+        Scene scene(options);
+        scene.terrain.wind_deg = wind_deg;
+        CameraPose pose = scene.pose(250.0, 250.0, 9.0, 270.0); // looks north, straight down: x is east, y is south
+        pose.pitch_deg = -89.9;
+        FrameDesc frame = scene.frame(pose);
+        frame.samples = 4;
+        const Image image = scene.picture(frame);
+        save_for_eyes("ripples_" + std::to_string(static_cast<int>(wind_deg)) + ".png", image);
+        if (wind_deg < 0.0f) {
+            calm = image;
+            continue;
+        }
+        EXPECT_GT(compare(calm, image).mean, 0.002) << "the wind of the preset blows to 30 degrees";
+        double along_x = 0.0, along_y = 0.0;
+        for (int y = 1; y < image.height_px; ++y)
+            for (int x = 1; x < image.width_px; ++x) {
+                along_x += std::abs(image.at(x, y)[1] - image.at(x - 1, y)[1]);
+                along_y += std::abs(image.at(x, y)[1] - image.at(x, y - 1)[1]);
+            }
+        std::printf("wind to %g deg: brightness changes by %g along x, %g along y\n", static_cast<double>(wind_deg),
+                    along_x, along_y);
+        if (wind_deg == 0.0f)
+            EXPECT_GT(along_x, 2.0 * along_y);
+        else
+            EXPECT_GT(along_y, 2.0 * along_x);
+        // Elsewhere and back: patterns stay where they are.
+        FrameDesc elsewhere = scene.frame(scene.pose(700.0, 250.0, 9.0));
+        (void)scene.picture(elsewhere);
+        EXPECT_EQ(scene.picture(frame).pixels, image.pixels);
+    }
+}
+
 TEST_F(GlTest, EveryDebugViewIsAViewOfItsOwn) {
     Scene scene(options_of(0));
+    scene.terrain.wind_deg = 40.0f;
     FrameDesc frame = scene.frame(scene.pose(k_x_m, k_y_m, 18.0, 20.0));
     std::vector<std::pair<Image, const char*>> seen;
     for (int v = 0; v < static_cast<int>(DebugView::count_); ++v) {
