@@ -124,14 +124,14 @@ void main() {
 
     // Wind ripples, two wavelengths, each gone before a pixel would skip it.
     float footprint = d * screen.w / sqrt(max(0.04, dot(view, ground_n)));
-    float flat_sand = sand * (1.0 - bare) * (1.0 - 0.7 * humus) * (shore_near ? smoothstep(0.5, 3.0, shore) : 1.0);
+    float flat_sand = sand * (1.0 - bare) * (1.0 - 0.7 * humus) * (shore_near ? smoothstep(1.0, 14.0, shore + 5.0 * v2) : 1.0);
     if (flat_sand > 0.01) {
         // The pattern is bent by a blurred noise: with a sharp one ripples close into rings like the grain of wood.
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
-        vec2 q = p + vec2(v3 * 1.6 + (blurred.b - 0.5) * 3.6, (blurred.a - 0.5) * 3.6);
+        vec2 q = p + vec2(v3 * 0.8 + (blurred.b - 0.5) * 2.2, (blurred.a - 0.5) * 2.2);
         float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.26, 0.06, slope);
         float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.30, 0.10, slope);
-        float steep = 0.07 + 0.20 * n2.a;
+        float steep = 0.04 + 0.19 * n2.a * (0.65 + 1.4 * clamp(0.25 + v3 + 0.5 * v4, 0.0, 0.5)); // in patches, as wind finds loose sand
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
         vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
         if (dot(blown, blown) < 0.09) {
