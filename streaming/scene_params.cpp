@@ -129,11 +129,15 @@ void note_differences(const SceneValues& v, Scene& scene) {
     if (scene.format == SceneFormat::dunes_2023) notes.emplace_back("a file of 2023: the wind is not projected");
     // Of a flat bed: 5/3 of what is lifted meets the ground in a step (method 3.10.4).
     const float strength = scene.sand.reptation_smooth + scene.sand.reptation_smooth_wind_s_per_m * v.wind_speed;
-    if (const float omega = strength * v.saltation_strength / (0.6f * v.grid_scale); omega > 0.8f)
-        notes.push_back(
-            fmt::format("reptation smooths {:.1f} times as much as one stable pass can: it is run in parts, "
-                        "where the published program {}",
-                        omega / 0.8f, omega > 1.66f ? "makes ripples" : "oscillates"));
+    constexpr float k_stable = 0.8f;
+    if (const float omega = strength * v.saltation_strength / (0.6f * v.grid_scale); omega > k_stable) {
+        // All of it, run in parts, would level a sheet before its first dunes; oscillating, the published pass does not.
+        scene.sand.reptation_smooth *= k_stable / omega;
+        scene.sand.reptation_smooth_wind_s_per_m *= k_stable / omega;
+        notes.push_back(fmt::format("reptation would smooth {:.1f} times as much as one stable pass can, where the "
+                                    "published program {}: it smooths as much as one pass can",
+                                    omega / k_stable, omega > 1.66f ? "makes ripples" : "oscillates"));
+    }
     if (oasis) {
         notes.emplace_back("water, moisture and plants are loaded and stay as they are: only wind and sand are run");
         if (!scene.species.empty())

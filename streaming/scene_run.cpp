@@ -109,6 +109,7 @@ Result<LedgerCheck> SceneRun::ledger_check() {
 Status SceneRun::step() {
     SAHEL_TRY(aeolian_.step(domain_, steps_));
     ++steps_;
+    sweeps_ += aeolian_.stats().sand.sweeps;
     return {};
 }
 
@@ -129,6 +130,7 @@ Result<SceneReport> SceneRun::report() const {
     SceneReport r;
     r.steps = steps_;
     r.max_wind_m_per_s = static_cast<double>(aeolian_.stats().max_wind_m_per_s);
+    if (steps_ > 0) r.sweeps_per_step = static_cast<double>(sweeps_) / static_cast<double>(steps_);
     SAHEL_ASSIGN(r.solids_ticks, solids());
     for (const SupplyAccount& a : aeolian_.supplied()) r.supplied_ticks += a.added_ticks - a.removed_ticks;
     r.drift_ticks = r.solids_ticks - start_ticks_ - r.supplied_ticks;

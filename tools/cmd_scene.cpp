@@ -84,6 +84,7 @@ void add_report(nlohmann::ordered_json& j, const SceneReport& r, double seconds)
     const auto rounded = [](double v) { return std::round(v * 1e4) / 1e4; };
     j["steps"] = r.steps;
     j["ms_per_step"] = r.steps > 0 ? rounded(seconds * 1000.0 / static_cast<double>(r.steps)) : 0.0;
+    j["sweeps_per_step"] = r.sweeps_per_step;
     j["max_wind_m_per_s"] = rounded(r.max_wind_m_per_s);
     j["coverage_above_0.1_m"] = rounded(r.coverage);
     j["sand_mean_m"] = rounded(r.sand_mean_m);
