@@ -58,6 +58,7 @@ float linear_of(uint8_t v) {
     }();
     return table[v];
 }
+
 /// Lines of a caption: at its line ends, and where a line would be wider than there is room, between words.
 std::vector<std::string> lines_of(const std::string& caption, const TextPainter& painter, int width_px) {
     std::vector<std::string> lines(1);

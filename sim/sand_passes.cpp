@@ -55,12 +55,16 @@ int32_t echo_steps(const SandParams& p, double cell_m) {
     return whole_cells(p.echo_sticky_range * p.echo_max_cliff_m, cell_m);
 }
 
-int32_t smoothing_parts(const SandParams& p, double cell_m, float dt_s, float max_wind_m_per_s) {
+float smoothing_omega(const SandParams& p, double cell_m, float dt_s, float wind_m_per_s) {
     constexpr float k_settling = 0.6f; // on open sand
-    constexpr float k_most_parts = 16.0f;
     const float bounced = p.lift_rate_m_per_s / k_settling;
-    const float omega = bounced * dt_s * (p.reptation_smooth + p.reptation_smooth_wind_s_per_m * max_wind_m_per_s) /
-                        static_cast<float>(cell_m);
+    return bounced * dt_s * (p.reptation_smooth + p.reptation_smooth_wind_s_per_m * wind_m_per_s) /
+           static_cast<float>(cell_m);
+}
+
+int32_t smoothing_parts(const SandParams& p, double cell_m, float dt_s, float max_wind_m_per_s) {
+    constexpr float k_most_parts = 16.0f;
+    const float omega = smoothing_omega(p, cell_m, dt_s, max_wind_m_per_s);
     if (!(omega > 0.0f)) return 0;
     return static_cast<int32_t>(std::clamp(std::ceil(omega / k_most_smoothing), 1.0f, k_most_parts));
 }

@@ -27,6 +27,8 @@ struct HopWay {
 
 int32_t shadow_samples(const SandParams& p, double cell_m);
 int32_t echo_steps(const SandParams& p, double cell_m);
+/// Omega of smoothing over a flat open bed in a step of dt, were it one pass: stable up to k_most_smoothing.
+float smoothing_omega(const SandParams& p, double cell_m, float dt_s, float wind_m_per_s);
 /// Into how many parts smoothing divides a step of dt.
 int32_t smoothing_parts(const SandParams& p, double cell_m, float dt_s, float max_wind_m_per_s);
 

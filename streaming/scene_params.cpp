@@ -1,3 +1,5 @@
+#include "sim/reptation.h"
+#include "sim/sand_passes.h"
 #include "streaming/scene_file.h"
 
 #include <fmt/format.h>
@@ -127,17 +129,6 @@ void note_differences(const SceneValues& v, Scene& scene) {
     if (v.projection_mode == 1)
         notes.emplace_back("projectionMode 1 (Jacobi): divergence is removed exactly, not by so many iterations");
     if (scene.format == SceneFormat::dunes_2023) notes.emplace_back("a file of 2023: the wind is not projected");
-    // Of a flat bed: 5/3 of what is lifted meets the ground in a step (method 3.10.4).
-    const float strength = scene.sand.reptation_smooth + scene.sand.reptation_smooth_wind_s_per_m * v.wind_speed;
-    constexpr float k_stable = 0.8f;
-    if (const float omega = strength * v.saltation_strength / (0.6f * v.grid_scale); omega > k_stable) {
-        // All of it, run in parts, would level a sheet before its first dunes; oscillating, the published pass does not.
-        scene.sand.reptation_smooth *= k_stable / omega;
-        scene.sand.reptation_smooth_wind_s_per_m *= k_stable / omega;
-        notes.push_back(fmt::format("reptation would smooth {:.1f} times as much as one stable pass can, where the "
-                                    "published program {}: it smooths as much as one pass can",
-                                    omega / k_stable, omega > 1.66f ? "makes ripples" : "oscillates"));
-    }
     if (oasis) {
         notes.emplace_back("water, moisture and plants are loaded and stay as they are: only wind and sand are run");
         if (!scene.species.empty())
@@ -146,6 +137,19 @@ void note_differences(const SceneValues& v, Scene& scene) {
             notes.push_back(fmt::format("soilAbrasionStrength {} is applied: the published loader ignores it",
                                         v.soil_abrasion_strength));
     }
+}
+
+/// Smoothing that one stable pass cannot do is brought down to one: all of it, run in parts, would level a sheet before
+/// its first dunes, which the published pass, oscillating, does not (method 3.10.4).
+void limit_smoothing(Scene& scene) {
+    SandParams& s = scene.sand;
+    const float omega = smoothing_omega(s, scene.cell_m, s.step_s, scene.wind.speed_m_per_s);
+    if (!(omega > k_most_smoothing)) return;
+    s.reptation_smooth *= k_most_smoothing / omega;
+    s.reptation_smooth_wind_s_per_m *= k_most_smoothing / omega;
+    scene.notes.push_back(fmt::format("reptation would smooth {:.1f} times as much as one stable pass can, where the "
+                                      "published program {}: it smooths as much as one pass can",
+                                      omega / k_most_smoothing, omega > 1.66f ? "makes ripples" : "oscillates"));
 }
 
 } // namespace
@@ -188,6 +192,7 @@ Status detail::translate_scene(Scene& scene, std::string_view where) {
     SAHEL_TRY(check_ranges(scene.wind, where, "wind"));
     SAHEL_TRY(check_ranges(scene.sand, where, "sand"));
     note_differences(v, scene);
+    limit_smoothing(scene);
     return {};
 }
 

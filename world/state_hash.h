@@ -22,7 +22,7 @@ struct BlockDigest {
     friend auto operator<=>(const BlockDigest&, const BlockDigest&) = default;
 };
 
-/// The cells of one block as they are hashed: every persisted layer in table order, row by row.
+/// The cells of one block as they are hashed: every layer of the state in table order, row by row.
 std::vector<int32_t> block_cells(const StoredTile& tile, int block_x, int block_y);
 Digest hash_cells(std::span<const int32_t> cells);
 /// One digest for each block of the tile.

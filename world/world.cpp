@@ -319,7 +319,7 @@ Result<std::vector<BlockDigest>> World::Impl::waiting_blocks(const std::vector<I
     std::map<std::pair<int64_t, int64_t>, std::vector<int32_t>> blocks; // by y, x of the block
     for (const Inbox& inbox : waiting) {
         SAHEL_ASSIGN(const auto stored, load(inbox.key));
-        size_t plane = 0; // of the layer, among the persisted ones
+        size_t plane = 0; // of the layer, among those of the state
         k_state_layers.for_each([&](Layer l) { plane += l < inbox.layer; });
         for (const InboxCell& c : inbox.cells) {
             const int bx = c.cell % n / k, by = c.cell / n / k;

@@ -31,7 +31,7 @@ void add_streaming_benchmarks(const BenchOptions& options);
 void add_view_benchmarks(const BenchOptions& options);
 void add_wind_benchmarks(const BenchOptions& options);
 
-/// Twelve digits over the owned cells of all persisted layers, whatever the rows' padding.
+/// Twelve digits over the owned cells of all layers of the state, whatever the rows' padding.
 std::string bench_hash(const LayerBlock& block);
 
 /// Cells and bytes of one iteration: gives "Mcells/s", "GB/s" (the least that had to move) and "%mem" (of

@@ -60,6 +60,9 @@ struct Report {
     /// A number that must lie within bounds.
     void require(std::string name, double value, std::string unit, std::optional<double> low,
                  std::optional<double> high, std::string note = {});
+    /// The one or the other: within bounds where they bind, else only told.
+    void require_where(bool binds, std::string name, double value, std::string unit, std::optional<double> low,
+                       std::optional<double> high, std::string note = {});
     /// Something that must be so.
     void require_true(std::string name, bool so, std::string note = {});
     [[nodiscard]] bool holds() const;

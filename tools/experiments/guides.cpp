@@ -76,11 +76,8 @@ Result<Report> run_guides(const Setup& setup) {
         }
         const std::string name = g.runs > 1 ? fmt::format("{}, mean of {}", g.name, g.runs) : std::string(g.name);
         const auto beside = [&](const char* what, double value, double guide, std::string note) {
-            const std::string title = fmt::format("{}: {} over guide", name, what);
-            if (g.judged)
-                report.require(title, value / guide, "", 0.9, 1.1, std::move(note));
-            else
-                report.tell(title, value / guide, "", std::move(note));
+            report.require_where(g.judged, fmt::format("{}: {} over guide", name, what), value / guide, "", 0.9, 1.1,
+                                 std::move(note));
         };
         beside("cover", cover, g.cover, fmt::format("{:.2f}, guide {:.2f}", cover, g.cover));
         beside("deviation", deviation, g.deviation_m,

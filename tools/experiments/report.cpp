@@ -45,6 +45,14 @@ void Report::require(std::string name, double value, std::string unit, std::opti
     numbers.push_back({std::move(name), value, std::move(unit), low, high, std::move(note)});
 }
 
+void Report::require_where(bool binds, std::string name, double value, std::string unit, std::optional<double> low,
+                           std::optional<double> high, std::string note) {
+    if (binds)
+        require(std::move(name), value, std::move(unit), low, high, std::move(note));
+    else
+        tell(std::move(name), value, std::move(unit), std::move(note));
+}
+
 void Report::require_true(std::string name, bool so, std::string note) {
     numbers.push_back({std::move(name), so ? 1.0 : 0.0, "", 1.0, 1.0, std::move(note)});
 }

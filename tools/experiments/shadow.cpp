@@ -49,11 +49,9 @@ Result<Report> run_shadow(const Setup& setup) {
     alike("deviation of sand", facts[1].spread, facts[0].spread);
     alike("mean shelter", mean_of(shelter[1]), mean_of(shelter[0]));
     const double turned = line_angle_between(facts[0].crest, facts[1].crest);
-    const std::string coherence = fmt::format("coherence {:.2f} and {:.2f}", facts[0].coherence, facts[1].coherence);
-    if (std::min(facts[0].coherence, facts[1].coherence) > 0.3)
-        report.require("angle between crests", turned, "deg", 0.0, 15.0, coherence);
-    else
-        report.tell("angle between crests", turned, "deg", coherence + ": crests have no common line");
+    const bool lines = std::min(facts[0].coherence, facts[1].coherence) > 0.3; // else crests have no common line
+    report.require_where(lines, "angle between crests", turned, "deg", 0.0, 15.0,
+                         fmt::format("coherence {:.2f} and {:.2f}", facts[0].coherence, facts[1].coherence));
     report.tell("highest dune, curved over linear", facts[1].highest / facts[0].highest, "");
     return report;
 }

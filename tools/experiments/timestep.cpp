@@ -69,21 +69,13 @@ Result<Report> run_timestep(const Setup& setup) {
         report.tell(fmt::format("{}: change of the bed", at), change, "m",
                     "deviation between start and end, steps of 1 s");
         report.tell(fmt::format("{}: steps of 2 s against 1 s, of the change", at), apart(end[0], end[1]) / change, "");
-        const std::string halved = fmt::format("{}: steps of 1 s against 1/2 s, of the change", at);
-        const std::string again = fmt::format("{}: steps of 1/2 s against 1/4 s, of the change", at);
-        const std::string dunes = fmt::format("{}: deviation of sand, 1/2 s over 1 s", at);
-        const double once = apart(end[1], end[2]) / change;
-        const double twice = apart(end[2], end[3]) / change;
-        const double ratio = deviation_of(end[2]) / deviation_of(end[1]);
-        if (fine) {
-            report.require(halved, once, "", 0.0, 0.05, "a few per cent");
-            report.require(again, twice, "", 0.0, 0.05);
-            report.require(dunes, ratio, "", 0.98, 1.02);
-        } else {
-            report.tell(halved, once, "", "a step of 1 s moves more than makes shelter");
-            report.tell(again, twice, "");
-            report.tell(dunes, ratio, "");
-        }
+        report.require_where(fine, fmt::format("{}: steps of 1 s against 1/2 s, of the change", at),
+                             apart(end[1], end[2]) / change, "", 0.0, 0.05,
+                             fine ? "a few per cent" : "a step of 1 s moves more than makes shelter");
+        report.require_where(fine, fmt::format("{}: steps of 1/2 s against 1/4 s, of the change", at),
+                             apart(end[2], end[3]) / change, "", 0.0, 0.05);
+        report.require_where(fine, fmt::format("{}: deviation of sand, 1/2 s over 1 s", at),
+                             deviation_of(end[2]) / deviation_of(end[1]), "", 0.98, 1.02);
     }
     return report;
 }
