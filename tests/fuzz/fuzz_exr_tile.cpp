@@ -9,13 +9,14 @@ static std::vector<Bytes> exr_tile_seeds() {
     std::vector<Bytes> seeds;
     for (const TileCompression c :
          {TileCompression::zip, TileCompression::zips, TileCompression::piz, TileCompression::none}) {
-        auto block = LayerBlock::allocate(0, tile_rect({0, -3, 5}, 128), 0, k_state_layers).value();
+        auto block = LayerBlock::allocate(0, tile_rect({0, -3, 5}, 128), 0, k_stored_layers).value();
         block.clear();
         for (int y = 0; y < 128; ++y)
             for (int x = 0; x < 128; ++x) {
                 block.ints(Layer::bedrock)(x, y) = 1000 * x - 700 * y;
                 block.ints(Layer::sand)(x, y) = (x * y) & 1023;
                 block.ints(Layer::mask)(x, y) = x > 100 ? 1 : 0;
+                block.reals(Layer::wind_x)(x, y) = 0.125f * static_cast<float>(y); // of a shown layer
             }
         seeds.push_back(encode_tile(make_stored_tile({0, -3, 5}, 128, block).value(), c).value());
     }
