@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace sahel {
 
@@ -53,6 +54,7 @@ template <class F> float corner_sum(int i, int j, F&& value) {
 
 struct Lattices {
     std::array<Lattice2, k_lattice_count> ground, water;
+    Lattice2 reach; ///< of the coarsest one: 1 where water stands near enough that its surface is known
 };
 
 /// The water surface is known where water stands. Amount (level times share) and share are filtered like the ground, so
@@ -112,7 +114,9 @@ Lattices make_lattices(const Cells& c) {
         return out;
     };
     Lattice2 water2 = finer(w2, s2, g2, 2), water4 = finer(w4, s4, g4, 4);
-    return {{std::move(g2), std::move(g4), std::move(g8)}, {std::move(water2), std::move(water4), std::move(water8)}};
+    return {{std::move(g2), std::move(g4), std::move(g8)},
+            {std::move(water2), std::move(water4), std::move(water8)},
+            std::move(reach8)};
 }
 
 int16_t snorm16(float v) {
@@ -149,18 +153,36 @@ void fill_mips(MipChain<Rgba8>& chain, int side) {
     });
 }
 
-/// Height of the water near a cell minus the ground there, m: the depth where wet, else from the lattice.
-float water_above_ground(const Cells& c, const Lattices& l, int x, int y) {
+/// Bilinear, between the corners of the coarsest lattice.
+struct CoarseCorners {
+    int i, j;
+    float a, b;
+
+    CoarseCorners(int x, int y) {
+        const float u = std::clamp((static_cast<float>(x) + 0.5f) * 0.125f, 0.0f, 63.999f);
+        const float v = std::clamp((static_cast<float>(y) + 0.5f) * 0.125f, 0.0f, 63.999f);
+        i = static_cast<int>(u);
+        j = static_cast<int>(v);
+        a = u - static_cast<float>(i);
+        b = v - static_cast<float>(j);
+    }
+    float mix(const Lattice2& l) const {
+        const float top = l.at(i, j) + a * (l.at(i + 1, j) - l.at(i, j));
+        const float bottom = l.at(i, j + 1) + a * (l.at(i + 1, j + 1) - l.at(i, j + 1));
+        return top + b * (bottom - top);
+    }
+    float least(const Lattice2& l) const {
+        return std::min(std::min(l.at(i, j), l.at(i + 1, j)), std::min(l.at(i, j + 1), l.at(i + 1, j + 1)));
+    }
+};
+
+/// Height of the water near a cell minus the ground there, m: the depth where wet, else from the lattice; nothing where
+/// no water is near.
+std::optional<float> water_above_ground(const Cells& c, const Lattices& l, int x, int y, const CoarseCorners& corners) {
     const float depth = c.water[c.index(x, y)];
     if (depth > k_wet_m) return depth;
-    const float u = std::clamp((static_cast<float>(x) + 0.5f) * 0.125f, 0.0f, 63.999f);
-    const float v = std::clamp((static_cast<float>(y) + 0.5f) * 0.125f, 0.0f, 63.999f);
-    const int i = static_cast<int>(u), j = static_cast<int>(v);
-    const float a = u - static_cast<float>(i), b = v - static_cast<float>(j);
-    const Lattice2& w = l.water[2];
-    const float top = w.at(i, j) + a * (w.at(i + 1, j) - w.at(i, j));
-    const float bottom = w.at(i, j + 1) + a * (w.at(i + 1, j + 1) - w.at(i, j + 1));
-    return std::min(top + b * (bottom - top) - c.ground[c.index(x, y)], 0.0f);
+    if (corners.least(l.reach) == 0.0f) return {};
+    return std::min(corners.mix(l.water[2]) - c.ground[c.index(x, y)], 0.0f);
 }
 
 /// Wind, shelter and sand in the air; nothing where no wind was simulated.
@@ -312,23 +334,26 @@ Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, T
             const float up = 1.0f / std::sqrt(gx * gx + gy * gy + 1.0f);
             tile->normal[0][at] = {snorm16(-gx * up), snorm16(-gy * up)};
 
-            const float above = water_above_ground(c, lattices, x, y);
+            const CoarseCorners corners(x, y);
+            const std::optional<float> known = water_above_ground(c, lattices, x, y, corners);
+            const float above = known.value_or(-k_below_ground_m);
             tile->water[0][at].x = static_cast<int16_t>(std::clamp(above * 256.0f, -32767.0f, 32767.0f));
             const float loose_m = metres_of_ticks(sand(x, y) + soil(x, y));
             tile->water[0][at].y = snorm16(1.0f - sstep(0.03f, 0.25f, loose_m));
 
             // Distance to the shore from the height above the water and the slope of the shore.
             const float slope = std::sqrt(gx * gx + gy * gy);
-            const float shore_m = above <= -0.98f * k_below_ground_m && c.water[c.index(x, y)] <= k_wet_m
-                                      ? 60.0f
-                                      : -above / std::max(slope, 0.03f);
+            const float shore_m = known ? -above / std::max(slope, 0.03f) : 60.0f;
             const float near_water = sstep(24.0f, 2.0f, shore_m);
             const float soil_m = metres_of_ticks(soil(x, y));
             const float wet = sstep(-0.25f, 0.65f, wetness(x, y));
-            const float litter =
-                clamp01(soil_m * 0.55f) * (0.10f + 0.90f * wet) + 0.45f * near_water * (shore_m > 0.0f ? 1.0f : 0.0f);
-            const float moist =
-                clamp01(0.15f + 0.65f * wet + 0.5f * near_water + metres_of_ticks(moisture(x, y)) * 5.0f);
+            // Rain gathers where a slope is hollow, and soil keeps it: there something grows.
+            const float hollow = sstep(0.0f, 0.06f * cell, corners.mix(lattices.ground[2]) - c.ground[c.index(x, y)]) *
+                                 sstep(0.08f, 0.5f, slope) * clamp01(soil_m * 4.0f);
+            const float damp = std::max(shore_m > 0.0f ? near_water : 0.0f, hollow);
+            const float litter = clamp01(soil_m * 0.55f) * (0.10f + 0.90f * wet) + 0.45f * damp;
+            const float moist = clamp01(0.15f + 0.65f * wet + 0.5f * std::max(near_water, hollow) +
+                                        metres_of_ticks(moisture(x, y)) * 5.0f);
             tile->material[0][at] = {unorm8(metres_of_ticks(sand(x, y)) * 2.0f), unorm8(litter), unorm8(moist),
                                      unorm8((std::clamp(shore_m, -20.0f, 60.0f) + 20.0f) / 80.0f)};
         }

@@ -271,6 +271,7 @@ SAHEL_ROW void lake_row(const TerrainTables& t, const SampleRow& row, int n, flo
     fill_row(n, 0.0f, level);
     float* __restrict coarse = out.scratch[0];
     float* __restrict fine = out.scratch[1];
+    float* __restrict coves = out.scratch[2];
     bool ready = false;
     for (int i = 0; i < site_count; ++i) {
         const LakeSite site = sites[i];
@@ -279,6 +280,7 @@ SAHEL_ROW void lake_row(const TerrainTables& t, const SampleRow& row, int n, flo
         if (!ready) {
             noise_row(t.lake_shape[0], row, n, spacing_m, coarse);
             noise_row(t.lake_shape[1], row, n, spacing_m, fine);
+            noise_row(t.lake_shape[2], row, n, spacing_m, coves);
             ready = true;
         }
         const float x0 = static_cast<float>(row.x0 - site.x_half_m) * 0.5f;
@@ -287,7 +289,7 @@ SAHEL_ROW void lake_row(const TerrainTables& t, const SampleRow& row, int n, flo
         SAHEL_VECTORIZE
         for (int x = 0; x < n; ++x) {
             float height = h[x], r = lake[x], z = level[x];
-            lake_shape(site, x0 + step * static_cast<float>(x), dy, coarse[x], fine[x], height, r, z);
+            lake_shape(site, x0 + step * static_cast<float>(x), dy, coarse[x], fine[x], coves[x], height, r, z);
             h[x] = height;
             lake[x] = r;
             level[x] = max2(z, sea_level);

@@ -88,10 +88,11 @@ SAHEL_HD float wetland_height(const BaseTerrainParams& p, const LandSample& s) {
 inline constexpr float k_lake_shrink = 0.75f; ///< so beyond 3 radii a lake changes nothing
 
 /// One lake at (dx, dy) from its site: bowl and rim, the distance in radii, its level.
-SAHEL_HD void lake_shape(const LakeSite& site, float dx, float dy, float coarse, float fine, float& height, float& lake,
-                         float& level) {
+SAHEL_HD void lake_shape(const LakeSite& site, float dx, float dy, float coarse, float fine, float coves, float& height,
+                         float& lake, float& level) {
     const float r0 = sqrt1(dx * dx + dy * dy) / site.radius_m;
-    const float r = r0 * max2(1.0f + 0.40f * coarse * sstep(0.1f, 0.6f, r0) + 0.10f * fine, k_lake_shrink);
+    const float r =
+        r0 * max2(1.0f + 0.40f * coarse * sstep(0.1f, 0.6f, r0) + 0.17f * fine + 0.09f * coves, k_lake_shrink);
     const float r2 = r * r;
     const float bowl = site.level_m - site.depth_m * (1.0f - r2 * r2);
     const float rim = site.level_m + 0.05f * site.radius_m * (r - 1.0f) * r;

@@ -67,6 +67,7 @@ TerrainTables make_terrain_tables(uint64_t seed, const BaseTerrainParams& params
     t.dune_fine = take(38.0f);
     t.dune_warp = take(170.0f);
     t.small = take(62.0f);
+    t.lake_shape[2] = take(85.0f);
     return t;
 }
 

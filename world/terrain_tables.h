@@ -29,7 +29,7 @@ struct TerrainTables {
     Lattice wind_turn, supply;
     Lattice dune, mega, small; ///< phasors of the three dune sizes
     Lattice dune_fine, dune_warp;
-    Lattice lake_shape[2];
+    Lattice lake_shape[3];
     Lattice strata, tilt;
 };
 static_assert(sizeof(TerrainTables) < 4000, "kernel arguments hold 4 KiB");

@@ -14,18 +14,29 @@ vec4 noise_at(vec2 uv, float scale, float log_m) {
     return textureLod(noise_map, uv, log_m + log2(scale * 512.0));
 }
 
-// Wind ripples, two wavelengths: the gradient they add, and how much darker their troughs are.
-vec3 ripples(vec2 q, vec2 along, vec2 phase, vec2 strength, float steep, float v1, float v2) {
+// Wind ripples, two wavelengths: the gradient they add, and how much darker their troughs are. `fork` are two fields
+// per wavelength whose angle turns once round each place where both are 0: there a crest ends, or forks in two.
+vec3 ripples(vec2 q, vec2 along, vec2 phase, vec2 strength, float steep, vec4 fork) {
     float u = dot(q, along);
-    float f1 = 2.0 * k_pi * (u / 0.34 + phase.x) + 0.4 * v1;
-    float f2 = 2.0 * k_pi * (u / 2.3 + phase.y) + 0.9 * v2;
+    float f1 = 2.0 * k_pi * (u / 0.34 + phase.x) + atan(fork.y, fork.x);
+    float f2 = 2.0 * k_pi * (u / 2.3 + phase.y) + atan(fork.w, fork.z);
     float r1 = cos(f1 + 0.55 * sin(f1)), r2 = cos(f2 + 0.5 * sin(f2));
+    strength *= smoothstep(vec2(0.0), vec2(0.05), vec2(length(fork.xy), length(fork.zw)));
     return vec3(along * (strength.x * r1 * steep + 0.06 * strength.y * r2), 0.06 * strength.x * (0.5 + 0.5 * sin(f1)));
 }
-vec3 simulated_ripples(int direction, vec2 q, vec2 strength, float steep, float v1, float v2) {
+vec3 simulated_ripples(int direction, vec2 q, vec2 strength, float steep, vec4 fork) {
     float turn = float(direction) * (2.0 * k_pi / 24.0);
     vec4 pair = ripple_phase[direction / 2];
-    return ripples(q, vec2(cos(turn), sin(turn)), direction % 2 == 0 ? pair.xy : pair.zw, strength, steep, v1, v2);
+    return ripples(q, vec2(cos(turn), sin(turn)), direction % 2 == 0 ? pair.xy : pair.zw, strength, steep, fork);
+}
+
+// Tongues of sand on a face whose contour runs in one of 12 directions.
+void slip_face(int direction, vec2 p, float down, float log_m, float strength, inout vec3 n, inout vec3 albedo) {
+    float turn = float(direction) * (k_pi / 12.0);
+    vec2 along = vec2(cos(turn), sin(turn));
+    vec4 tongue = noise_at(vec2(slip_phase[direction / 4][direction % 4] + dot(p, along) * 0.047, down), 0.047, log_m);
+    albedo *= 1.0 + strength * 0.45 * (tongue.b - 0.5);
+    n.xz -= along * (strength * 0.3 * (tongue.r - 0.5));
 }
 
 void main() {
@@ -59,10 +70,10 @@ void main() {
         vec2 axes = abs(ground_n.xz);
         axes /= axes.x + axes.y + 1e-4;
         float lw = log2(d * screen.w) + 0.5;
-        n2 = mix(n2, noise_at(noise_phase[0].zw + vec2(p.y * 0.047, height * 0.055), 0.05, lw) * axes.x +
-                     noise_at(noise_phase[0].zw + vec2(p.x * 0.047, height * 0.055), 0.05, lw) * axes.y, wall);
-        n1 = mix(n1, noise_at(noise_phase[0].xy + vec2(p.y * 0.30, height * 0.43), 0.4, lw) * axes.x +
-                     noise_at(noise_phase[0].xy + vec2(p.x * 0.30, height * 0.43), 0.4, lw) * axes.y, wall);
+        n2 = mix(n2, noise_at(vec2(wall_phase.y + p.y * 0.047, height * 0.055), 0.05, lw) * axes.x +
+                     noise_at(vec2(wall_phase.x + p.x * 0.047, height * 0.055), 0.05, lw) * axes.y, wall);
+        n1 = mix(n1, noise_at(vec2(wall_phase.w + p.y * 0.3, height * 0.43), 0.4, lw) * axes.x +
+                     noise_at(vec2(wall_phase.z + p.x * 0.3, height * 0.43), 0.4, lw) * axes.y, wall);
     }
     n1 = mix(vec4(0.5), n1, fine);
     float v4 = n4.b - 0.5, v3 = n3.b - 0.5, v2 = n2.b - 0.5, v1 = n1.b - 0.5;
@@ -98,7 +109,7 @@ void main() {
     float drift = smoothstep(0.02, 0.20, 0.8 * v3 + 0.7 * v2 + 0.5 * v4 + 0.15 * v1) * smoothstep(0.10, 0.03, slope) *
                   smoothstep(0.30, 0.10, material.g) * smoothstep(0.55, 0.25, material.b);
     float sand = max(smoothstep(0.30, 0.62, material.r + 0.45 * v2 + 0.35 * v3 + 0.12 * v1), 0.8 * drift);
-    float humus = smoothstep(0.25, 0.60, material.g + 0.5 * v2 + 0.25 * v3 + 0.2 * v1) * (1.0 - 0.85 * sand);
+    float humus = smoothstep(0.25, 0.60, material.g + 0.5 * v2 + 0.25 * v3 + 0.2 * v1) * (1.0 - sand * mix(0.85, 1.0, smoothstep(0.5, 0.8, material.r)));
     vec3 albedo = mix(soil_colour, sand_colour, sand);
     albedo = mix(albedo, mix(humus_colour, green_colour, smoothstep(0.25, 0.62, material.b * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18)), humus);
     float bare = smoothstep(0.10, 0.26, slope + 0.16 * v2 + 0.10 * v3 - 0.10 * sand - 0.05 * humus) * (1.0 - 0.9 * sand * smoothstep(0.5, 0.8, material.r));
@@ -129,13 +140,14 @@ void main() {
         // The pattern is bent by a blurred noise: with a sharp one ripples close into rings like the grain of wood.
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
         vec2 q = p + vec2(v3 * 0.8 + (blurred.b - 0.5) * 2.2, (blurred.a - 0.5) * 2.2);
-        float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.26, 0.06, slope);
-        float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.30, 0.10, slope);
+        vec4 fork = vec4(blurred.rg, textureLod(noise_map, noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061, 3.5).rg) - 0.5;
+        float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.15, 0.06, slope);
+        float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.16, 0.09, slope);
         float steep = 0.04 + 0.19 * n2.a * (0.65 + 1.4 * clamp(0.25 + v3 + 0.5 * v4, 0.0, 0.5)); // in patches, as wind finds loose sand
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
         vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
         if (dot(blown, blown) < 0.09) {
-            bumps = ripples(q, wind.xy, vec2(wind.w, rock.w), vec2(a1, a2), steep, v1, v2);
+            bumps = ripples(q, wind.xy, vec2(wind.w, rock.w), vec2(a1, a2), steep, fork);
         } else {
             // Where the wind was simulated it turns from place to place. Each of 24 directions has a pattern of its own
             // that stays where it is as the eye moves; between two of them one gives way to the other along a ragged
@@ -143,17 +155,26 @@ void main() {
             float turn = atan(blown.y, blown.x) * (24.0 / (2.0 * k_pi)) + 24.0;
             float first = floor(turn);
             float share = smoothstep(0.35, 0.65, turn - first + 1.2 * v3 + 0.8 * v2);
-            if (share < 1.0) bumps += (1.0 - share) * simulated_ripples(int(first) % 24, q, vec2(a1, a2), steep, v1, v2);
-            if (share > 0.0) bumps += share * simulated_ripples(int(first + 1.0) % 24, q, vec2(a1, a2), steep, v1, v2);
+            if (share < 1.0) bumps += (1.0 - share) * simulated_ripples(int(first) % 24, q, vec2(a1, a2), steep, fork);
+            if (share > 0.0) bumps += share * simulated_ripples(int(first + 1.0) % 24, q, vec2(a1, a2), steep, fork);
         }
         n.xz -= bumps.xy;
         albedo *= 1.0 - bumps.z;
+    }
+    // Slip faces: sand slides down them in tongues, each a little paler or darker than the one beside it.
+    float slip = flat_sand * smoothstep(0.10, 0.15, slope) * (1.0 - smoothstep(300.0, 1200.0, d));
+    if (slip > 0.01) {
+        float turn = atan(ground_n.z, ground_n.x) * (12.0 / k_pi) + 18.0 + 0.5 * v3;
+        float first = floor(turn), share = smoothstep(0.3, 0.7, turn - first);
+        float down = height * 0.0035 + 0.3 * v4, log_m = log2(d * screen.w) + 0.5;
+        if (share < 1.0) slip_face(int(first) % 12, p, down, log_m, slip * (1.0 - share), n, albedo);
+        if (share > 0.0) slip_face(int(first + 1.0) % 12, p, down, log_m, slip * share, n, albedo);
     }
     n = normalize(n);
 
     float wet = shore_near ? smoothstep(2.6, 0.2, shore + 2.0 * v2) : 0.0;
     albedo *= mix(1.0, 0.42, wet * 0.95);
-    albedo *= 1.0 - 0.35 * material.b * material.b * (1.0 - wet) * (1.0 - sand);
+    albedo *= 1.0 - 0.35 * material.b * material.b * (1.0 - wet) * (1.0 - sand) * (1.0 - bare);
     if (water.x > 0.0) albedo *= vec3(0.80, 0.88, 0.80);
 
     float lambert = max(0.0, dot(n, sun.xyz));

@@ -92,8 +92,7 @@ void main() {
         if (texture(ground_depth, m.xy).r > m.z * 1.0015) hit_at = mid; else before = mid;
     }
     vec2 hit = mix(s0.xy, s1.xy, hit_at);
-    vec2 edge = smoothstep(vec2(0.5), vec2(0.495, 0.42), abs(hit - 0.5));
-    float found = at <= 1.0 ? edge.x * edge.y : 0.0;
+    float found = at <= 1.0 ? smoothstep(0.5, 0.42, abs(hit.y - 0.5)) : 0.0;
     // Ranges beyond the ray's end are as good as infinitely far: what stands in its direction is what it meets.
     vec4 q2 = view_projection * vec4(r, 0.0);
     vec2 away = q2.xy / max(q2.w, 1e-4) * 0.5 + 0.5;
@@ -101,9 +100,10 @@ void main() {
     float outside = max(away.x - 1.0, -away.x);
     away.x = clamp(away.x, 0.003, 0.997);
     float far_m = 0.1 / max(texture(ground_depth, away).r, 1e-7);
-    edge = vec2(smoothstep(0.35, 0.10, outside), smoothstep(0.5, 0.42, abs(away.y - 0.5)));
-    bool range = at > 1.0 && q2.w > 0.0 && far_m > 0.8 * reach && far_m < 9e5;
-    mirrored = mix(mirrored, texture(ground_colour, range ? away : hit).rgb, range ? edge.x * edge.y : found);
+    float edge = smoothstep(0.35, 0.10, outside) * smoothstep(0.5, 0.42, abs(away.y - 0.5));
+    bool left_picture = t_max < 1.0 && cut == 1.0;
+    bool range = at > 1.0 && q2.w > 0.0 && (left_picture || far_m > 0.8 * reach) && far_m < 9e5;
+    mirrored = mix(mirrored, texture(ground_colour, range ? away : hit).rgb, range ? edge : found);
     float half_angle = max(0.0, dot(n, normalize(view + sun.xyz)));
     mirrored += (18.0 * pow(half_angle, 900.0) + 0.9 * pow(half_angle, 140.0)) * sun_light.rgb * sun_seen * 0.35;
     c = mix(c, mirrored, fresnel);
