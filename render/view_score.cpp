@@ -195,7 +195,7 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
     if (!high) add(0.6, plateau(m.near_ground, 0.0, 0.08, 0.40, 0.65));
     add(0.6, plateau(m.middle, 0.02, 0.10, 0.60, 0.90));
     add(0.8, high ? plateau(m.far, 0.05, 0.15, 0.50, 0.75) : plateau(m.far, 0.0, 0.03, 0.35, 0.60));
-    add(1.2, rising(m.far_relief_deg, 0.1, kind == ViewKind::mountains ? 3.0 : 1.6));
+    add(high ? 1.8 : 1.2, rising(m.far_relief_deg, 0.1, kind == ViewKind::mountains ? 3.0 : 1.6));
     // Light from the side, shade as well as light.
     add(0.8, plateau(m.sun_off_axis_deg, 20.0, 40.0, 110.0, 150.0));
     add(0.8, plateau(m.lit, 0.25, 0.50, 0.90, 1.02));
@@ -234,7 +234,8 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
         break;
     case ViewKind::high:
     case ViewKind::count_:
-        add(1.5, plateau(m.water, 0.0, 0.03, 0.20, 0.45));
+        // Water near enough to be looked into, not a sliver far off.
+        add(3.0, plateau(m.water, 0.01, 0.07, 0.22, 0.45));
         add(1.0, rising(m.materials, 1.0, 3.0));
         break;
     }

@@ -30,13 +30,14 @@ vec3 simulated_ripples(int direction, vec2 q, vec2 strength, float steep, vec4 f
     return ripples(q, vec2(cos(turn), sin(turn)), direction % 2 == 0 ? pair.xy : pair.zw, strength, steep, fork);
 }
 
-// Tongues of sand on a face whose contour runs in one of 12 directions.
-void slip_face(int direction, vec2 p, float down, float log_m, float strength, inout vec3 n, inout vec3 albedo) {
+// Streaks down a slope whose contour runs in one of 12 directions.
+void streaks_down(int direction, vec2 p, float down, float log_m, float strength, float depth, inout vec3 n,
+                  inout vec3 albedo) {
     float turn = float(direction) * (k_pi / 12.0);
     vec2 along = vec2(cos(turn), sin(turn));
-    vec4 tongue = noise_at(vec2(slip_phase[direction / 4][direction % 4] + dot(p, along) * 0.047, down), 0.047, log_m);
-    albedo *= 1.0 + strength * 0.45 * (tongue.b - 0.5);
-    n.xz -= along * (strength * 0.3 * (tongue.r - 0.5));
+    vec4 streak = noise_at(vec2(slip_phase[direction / 4][direction % 4] + dot(p, along) * 0.047, down), 0.047, log_m);
+    albedo *= 1.0 + strength * 0.45 * (streak.b - 0.5);
+    n.xz -= along * (strength * depth * (streak.r - 0.5));
 }
 
 void main() {
@@ -94,6 +95,7 @@ void main() {
     rock_colour = mix(rock_colour, vec3(0.55, 0.42, 0.30), 0.55 * beds * pale);
     rock_colour *= 1.0 - 0.26 * beds * seam * smoothstep(-0.12, 0.12, v2 + 0.5 * v3);
     rock_colour *= 0.86 + 0.9 * v2 + 0.6 * v1;
+    rock_colour *= 1.0 - 0.30 * smoothstep(0.50, 0.72, n2.a);
     float grey = smoothstep(rock.x, rock.y, height + 160.0 * v4 + 40.0 * v3);
     vec3 grey_colour = mix(vec3(0.20, 0.185, 0.17), vec3(0.32, 0.285, 0.25), clamp(0.5 + v3 + 0.6 * v2, 0.0, 1.0));
     rock_colour = mix(rock_colour, grey_colour * (1.0 + 0.5 * v1), grey * 0.85);
@@ -102,14 +104,15 @@ void main() {
     sand_colour *= 1.0 + 0.30 * v3 + 0.20 * v2 + 0.16 * v1;
     vec3 soil_colour = mix(vec3(0.33, 0.225, 0.135), vec3(0.43, 0.305, 0.185), smoothstep(-0.2, 0.2, v4)) * (1.0 + 0.42 * v3 + 0.30 * v2 + 0.42 * v1);
     vec3 humus_colour = vec3(0.085, 0.060, 0.036) * (1.0 + 0.8 * v2 + 0.7 * v1);
-    float dryness = clamp(0.55 - 0.9 * material.b + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
+    float litter = material.g + 0.5 * v2 + 0.25 * v3 + 0.2 * v1;
+    float dryness = clamp(0.55 + 0.5 * smoothstep(0.95, 0.35, litter) - 0.9 * material.b + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
     vec3 green_colour = mix(vec3(0.070, 0.100, 0.022), vec3(0.20, 0.165, 0.060), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
 
     // Thin drifts lie on level dry ground, too thin for the layers.
     float drift = smoothstep(0.02, 0.20, 0.8 * v3 + 0.7 * v2 + 0.5 * v4 + 0.15 * v1) * smoothstep(0.10, 0.03, slope) *
                   smoothstep(0.30, 0.10, material.g) * smoothstep(0.55, 0.25, material.b);
     float sand = max(smoothstep(0.30, 0.62, material.r + 0.45 * v2 + 0.35 * v3 + 0.12 * v1), 0.8 * drift);
-    float humus = smoothstep(0.25, 0.60, material.g + 0.5 * v2 + 0.25 * v3 + 0.2 * v1) * (1.0 - sand * mix(0.85, 1.0, smoothstep(0.5, 0.8, material.r)));
+    float humus = smoothstep(0.25, 0.60, litter) * (1.0 - sand * mix(0.85, 1.0, smoothstep(0.5, 0.8, material.r)));
     vec3 albedo = mix(soil_colour, sand_colour, sand);
     albedo = mix(albedo, mix(humus_colour, green_colour, smoothstep(0.25, 0.62, material.b * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18)), humus);
     float bare = smoothstep(0.10, 0.26, slope + 0.16 * v2 + 0.10 * v3 - 0.10 * sand - 0.05 * humus) * (1.0 - 0.9 * sand * smoothstep(0.5, 0.8, material.r));
@@ -135,7 +138,7 @@ void main() {
 
     // Wind ripples, two wavelengths, each gone before a pixel would skip it.
     float footprint = d * screen.w / sqrt(max(0.04, dot(view, ground_n)));
-    float flat_sand = sand * (1.0 - bare) * (1.0 - 0.7 * humus) * (shore_near ? smoothstep(1.0, 14.0, shore + 5.0 * v2) : 1.0);
+    float flat_sand = sand * (1.0 - bare) * (1.0 - 0.7 * humus) * (shore_near ? smoothstep(1.0, 30.0, shore + 8.0 * v2 + 12.0 * v3) : 1.0);
     if (flat_sand > 0.01) {
         // The pattern is bent by a blurred noise: with a sharp one ripples close into rings like the grain of wood.
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
@@ -143,7 +146,8 @@ void main() {
         vec4 fork = vec4(blurred.rg, textureLod(noise_map, noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061, 3.5).rg) - 0.5;
         float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.15, 0.06, slope);
         float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.16, 0.09, slope);
-        float steep = 0.04 + 0.19 * n2.a * (0.65 + 1.4 * clamp(0.25 + v3 + 0.5 * v4, 0.0, 0.5)); // in patches, as wind finds loose sand
+        float loose = smoothstep(-0.16, 0.14, v3 + 0.35 * v2 + 0.5 * v4); // in patches, as wind finds loose sand
+        float steep = (0.25 + 0.75 * loose) * (0.03 + 0.24 * n2.a);
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
         vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
         if (dot(blown, blown) < 0.09) {
@@ -161,14 +165,18 @@ void main() {
         n.xz -= bumps.xy;
         albedo *= 1.0 - bumps.z;
     }
-    // Slip faces: sand slides down them in tongues, each a little paler or darker than the one beside it.
-    float slip = flat_sand * smoothstep(0.10, 0.15, slope) * (1.0 - smoothstep(300.0, 1200.0, d));
-    if (slip > 0.01) {
+    // Slopes: sand slides down slip faces in tongues, each a little paler or darker than the one beside it; rain cuts
+    // rills into soil and rock.
+    float slip = flat_sand * smoothstep(0.10, 0.15, slope);
+    float rill = (1.0 - sand) * (1.0 - snow) * smoothstep(0.03, 0.12, slope) * (1.0 - wall);
+    float streaks = max(slip, rill) * (1.0 - smoothstep(500.0, 1800.0, d));
+    if (streaks > 0.01) {
         float turn = atan(ground_n.z, ground_n.x) * (12.0 / k_pi) + 18.0 + 0.5 * v3;
         float first = floor(turn), share = smoothstep(0.3, 0.7, turn - first);
         float down = height * 0.0035 + 0.3 * v4, log_m = log2(d * screen.w) + 0.5;
-        if (share < 1.0) slip_face(int(first) % 12, p, down, log_m, slip * (1.0 - share), n, albedo);
-        if (share > 0.0) slip_face(int(first + 1.0) % 12, p, down, log_m, slip * share, n, albedo);
+        float depth = rill > slip ? 0.8 : 0.3;
+        if (share < 1.0) streaks_down(int(first) % 12, p, down, log_m, streaks * (1.0 - share), depth, n, albedo);
+        if (share > 0.0) streaks_down(int(first + 1.0) % 12, p, down, log_m, streaks * share, depth, n, albedo);
     }
     n = normalize(n);
 

@@ -17,6 +17,10 @@ vec3 view_position(vec2 uv, float z) {
     return q.xyz / q.w;
 }
 
+vec2 within(vec2 uv) {
+    return vec2(clamp(uv.x, 0.001, 0.999), uv.y);
+}
+
 void main() {
     vec3 uv = tile_uv(tile_cell, layer);
     float depth = texture(tile_water, uv).x * k_water_scale_m;
@@ -61,12 +65,8 @@ void main() {
     if (q1.w < 0.2) q1 = mix(q0, q1, (q0.w - 0.2) / (q0.w - q1.w));
     vec3 s0 = vec3(q0.xy / q0.w * 0.5 + 0.5, q0.z / q0.w), s1 = vec3(q1.xy / q1.w * 0.5 + 0.5, q1.z / q1.w);
     vec2 span = s1.xy - s0.xy;
-    float t_max = 1.0;
-    for (int k = 0; k < 2; ++k) {
-        float limit = span[k] > 0.0 ? (1.0 - s0[k]) / span[k] : span[k] < 0.0 ? -s0[k] / span[k] : 9.0;
-        t_max = min(t_max, limit);
-    }
-    s1 = mix(s0, s1, t_max);
+    // Beyond the sides of the picture the land goes on as its last column: less wrong than the sky.
+    s1 = mix(s0, s1, min(1.0, span.y > 0.0 ? (1.0 - s0.y) / span.y : span.y < 0.0 ? -s0.y / span.y : 9.0));
     float pixels = length((s1.xy - s0.xy) * screen.yz);
     float cut = min(1.0, 280.0 / max(pixels, 1.0));
     s1 = mix(s0, s1, cut);
@@ -78,7 +78,7 @@ void main() {
     for (int i = 0; i < steps; ++i) {
         float t = (float(i) + 0.4 + 0.6 * jitter) / float(steps);
         vec3 s = mix(s0, s1, t);
-        float z = texture(ground_depth, s.xy).r;
+        float z = texture(ground_depth, within(s.xy)).r;
         if (z > s.z * 1.0015 && 0.1 / s.z - 0.1 / z < 2.0 + 0.025 / s.z) {
             at = t;
             break;
@@ -89,21 +89,22 @@ void main() {
     for (int k = 0; k < 4; ++k) {
         float mid = 0.5 * (before + hit_at);
         vec3 m = mix(s0, s1, mid);
-        if (texture(ground_depth, m.xy).r > m.z * 1.0015) hit_at = mid; else before = mid;
+        if (texture(ground_depth, within(m.xy)).r > m.z * 1.0015) hit_at = mid; else before = mid;
     }
     vec2 hit = mix(s0.xy, s1.xy, hit_at);
-    float found = at <= 1.0 ? smoothstep(0.5, 0.42, abs(hit.y - 0.5)) : 0.0;
     // Ranges beyond the ray's end are as good as infinitely far: what stands in its direction is what it meets.
-    vec4 q2 = view_projection * vec4(r, 0.0);
-    vec2 away = q2.xy / max(q2.w, 1e-4) * 0.5 + 0.5;
-    // Beyond the sides of the picture a range goes on as its last column: less wrong than the sky.
-    float outside = max(away.x - 1.0, -away.x);
-    away.x = clamp(away.x, 0.003, 0.997);
-    float far_m = 0.1 / max(texture(ground_depth, away).r, 1e-7);
-    float edge = smoothstep(0.35, 0.10, outside) * smoothstep(0.5, 0.42, abs(away.y - 0.5));
-    bool left_picture = t_max < 1.0 && cut == 1.0;
-    bool range = at > 1.0 && q2.w > 0.0 && (left_picture || far_m > 0.8 * reach) && far_m < 9e5;
-    mirrored = mix(mirrored, texture(ground_colour, range ? away : hit).rgb, range ? edge : found);
+    if (at > 1.0) {
+        vec4 q2 = view_projection * vec4(r, 0.0);
+        vec2 away = q2.xy / max(q2.w, 1e-4) * 0.5 + 0.5;
+        float far_m = 0.1 / max(texture(ground_depth, within(away)).r, 1e-7);
+        if (q2.w > 0.0 && far_m > 0.8 * reach && far_m < 9e5) {
+            hit = away;
+            at = 1.0;
+        }
+    }
+    float outside = max(hit.x - 1.0, -hit.x);
+    float found = at <= 1.0 ? smoothstep(0.35, 0.10, outside) * smoothstep(0.5, 0.42, abs(hit.y - 0.5)) : 0.0;
+    mirrored = mix(mirrored, texture(ground_colour, within(hit)).rgb, found);
     float half_angle = max(0.0, dot(n, normalize(view + sun.xyz)));
     mirrored += (18.0 * pow(half_angle, 900.0) + 0.9 * pow(half_angle, 140.0)) * sun_light.rgb * sun_seen * 0.35;
     c = mix(c, mirrored, fresnel);
