@@ -57,11 +57,14 @@ struct SlideGrid {
     }
 };
 
+inline constexpr int32_t k_uneven = -1;
+
 /// Cells of one block that a sweep works out.
 struct SlideWork {
     int32_t slot = 0;
     int32_t block = 0;
     LocalRect rect;
+    int32_t repose = k_uneven; ///< ticks, where it is known to be the same in the block and all around it
 };
 
 /// The host's account of what may move.
@@ -70,6 +73,9 @@ class SlideBlocks {
     SlideBlocks(const SlideGrid& grid, bool adaptive);
 
     [[nodiscard]] const SlideGrid& grid() const { return grid_; }
+    /// The repose of each block, k_uneven where it is not the same in all its cells: most sand has one angle of repose,
+    /// and sweeps need not read it then.
+    void set_repose(const std::vector<int32_t>& of_block);
     /// Every block of the region.
     [[nodiscard]] std::vector<SlideWork> all(int32_t margin) const;
     /// Those in which something may slide under a rule of this strength. A block that was quiet under a stronger rule
@@ -82,10 +88,12 @@ class SlideBlocks {
 
   private:
     void wake(int32_t slot, int32_t bx, int32_t by);
+    template <class F> void for_nine(int32_t slot, int32_t bx, int32_t by, const F& f) const;
 
     SlideGrid grid_;
     bool adaptive_;
-    std::vector<float> quiet_; ///< of each block: strongest rule under which nothing slides; below 0: not known
+    std::vector<int32_t> repose_; ///< of each block and the eight around it; empty: not known
+    std::vector<float> quiet_;    ///< of each block: strongest rule under which nothing slides; below 0: not known
 };
 
 } // namespace sahel

@@ -8,14 +8,18 @@ namespace {
 
 constexpr int32_t k_rim = 2;
 constexpr int32_t k_first = 1; // word of a row's first cell; before it and behind the last are words that never slide
-// Blocks that lie side by side are worked out together: the longer the rows, the less of them is rim, and the longer
-// ago a word was written that a loop reads between two vectors (a processor waits for such words).
-constexpr int32_t k_strip_blocks = 8;
+// Blocks that lie side by side are worked out together: the longer the rows, the less of them is rim, the longer ago a
+// word was written that a loop reads between two vectors (a processor waits for such words), and the longer the runs
+// of memory that it reads ahead.
+constexpr int32_t k_strip_blocks = 32;
 constexpr int32_t k_width = k_first + k_strip_blocks * k_slide_block_x + 2 * k_rim;
 constexpr int32_t k_lanes = 8;
-constexpr int32_t k_row = (k_width + k_lanes + 1 + 15) / 16 * 16; // words: the cells, and a few that never slide
-constexpr int32_t k_no_cell = 1 << 29;                            // their height; they stand at any slope
-constexpr int32_t k_ring = 4;                                     // rows; a power of two
+// Words of a row: the cells, a few that never slide, and so many that the rows of a short strip lie side by side in the
+// first cache (17 lines of 64 bytes further on in each page) and not on top of each other.
+constexpr int32_t k_row = k_strip_blocks * k_slide_block_x + 17 * 16;
+static_assert(k_row >= k_width + k_lanes + 1 && k_strip_blocks * k_slide_block_x % 1024 == 0);
+constexpr int32_t k_no_cell = 1 << 29; // their height; they stand at any slope
+constexpr int32_t k_ring = 4;          // rows; a power of two
 
 using Row = int32_t[k_row];
 using RealRow = float[k_row];
@@ -48,7 +52,9 @@ bool plain(const SlideGround& g, int32_t slot, const LocalRect& r, int32_t rim) 
     return owned || (g.closed[slot] == 0 && g.walls[slot] == 0);
 }
 
-// Cells [x0, x1) of row y; what is closed gives nothing.
+// Cells [x0, x1) of row y; what is closed gives nothing. `Even`: of sand that has one angle of repose, which is not
+// read; words beyond the cells then stand level with the last one.
+template <bool Even>
 void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, bool all_give, Cells& to) {
     // A few cells more, where the slab has them, so that no loop ends within a vector.
     const int32_t there = g.bedrock.last - x0;
@@ -58,7 +64,12 @@ void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t
     int32_t* const repose = to.repose + k_first;
     int32_t* const across = to.across + k_first;
     const int32_t* const rock = g.bedrock.row(slot, y) + x0;
-    if (g.kind == AvalancheKind::sand) {
+    if constexpr (Even) {
+        const int32_t* const earth = g.soil.row(slot, y) + x0;
+        const int32_t* const loose = g.sand.row(slot, y) + x0;
+        SAHEL_VECTORIZE
+        for (int32_t i = 0; i < count; ++i) height[i] = rock[i] + earth[i] + loose[i];
+    } else if (g.kind == AvalancheKind::sand) {
         const int32_t* const earth = g.soil.row(slot, y) + x0;
         const int32_t* const loose = g.sand.row(slot, y) + x0;
         const float* const tangent = g.repose.row(slot, y) + x0;
@@ -89,35 +100,35 @@ void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t
             across[i] = repose_across(c.repose);
         }
     }
-    const auto no_cell = [&to](int32_t i) __attribute__((always_inline)) {
-        to.height[i] = k_no_cell;
+    const int32_t last = k_first + x1 - x0 - 1;
+    const auto no_cell = [&to, last ](int32_t i) __attribute__((always_inline)) {
+        if constexpr (Even) {
+            to.height[i] = to.height[i < k_first ? k_first : last];
+            return;
+        }
         to.limit[i] = 0;
+        to.height[i] = k_no_cell;
         to.repose[i] = 2 * k_no_cell;
         to.across[i] = 2 * k_no_cell;
     };
     no_cell(0);
     const int32_t end = used(x1 - x0);
     for (int32_t i = k_first + x1 - x0; i < end; ++i) no_cell(i);
-    if (all_give) return;
+    if (Even || all_give) return;
     for (int32_t i = 0; i < x1 - x0; ++i)
         if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
 }
 
-// Asks for what load_row will read, a row of work ahead: the segments of a strip's rows are too short for a processor to
-// see a stream in them, and without this two thirds of a sweep waited for memory.
-template <class T> void fetch(const SlabView<T>& plane, int32_t slot, int32_t y, int32_t x0, int32_t x1) {
-    constexpr int32_t k_line = 64 / sizeof(T);
-    if (!plane.origin) return;
-    const T* const row = plane.row(slot, y);
-    for (int32_t x = x0; x < x1; x += k_line) __builtin_prefetch(row + x, 0, 2);
-}
-void fetch_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1) {
-    fetch(g.bedrock, slot, y, x0, x1);
-    if (g.kind == AvalancheKind::bedrock) return;
-    fetch(g.soil, slot, y, x0, x1);
-    if (g.kind == AvalancheKind::soil) return;
-    fetch(g.sand, slot, y, x0, x1);
-    fetch(g.repose, slot, y, x0, x1);
+// What the cells of a row of even sand may give: only asked for where something stands too steep.
+void load_limits(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, bool all_give, Cells& to) {
+    const int32_t* const loose = g.sand.row(slot, y) + x0;
+    int32_t* const limit = to.limit + k_first;
+    const int32_t count = x1 - x0;
+    for (int32_t i = 0; i < count; ++i) limit[i] = loose[i];
+    for (int32_t i = count; i < whole(count); ++i) limit[i] = 0;
+    if (all_give) return;
+    for (int32_t i = 0; i < count; ++i)
+        if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
 }
 
 // Excess of a pair: above 0 the first gives, below the second. Both slide_excess() in one.
@@ -126,11 +137,29 @@ SAHEL_HD int32_t pair_excess(int32_t drop, int32_t first, int32_t second) {
     return larger(smaller(over, k_most_excess), -k_most_excess);
 }
 
-// The pairs of row `a` with itself and with the row below, `b`; the bits of all that are not 0.
+// The pairs of row `a` with itself and with the row below, `b`; the bits of all that are not 0. `repose`: of even sand.
+template <bool Even>
 SAHEL_HD int32_t pair_rows(const Cells& a, const Cells& b, int32_t* e, int32_t* se, int32_t* s, int32_t* sw,
-                           int32_t cells) {
+                           int32_t cells, int32_t repose = 0) {
     int32_t any = 0;
     const int32_t end = k_first + whole(cells);
+    if constexpr (Even) {
+        const int32_t beside = repose, across = repose_across(repose);
+        SAHEL_VECTORIZE
+        for (int32_t i = k_first; i < end; ++i) {
+            const int32_t h = a.height[i];
+            const int32_t to_e = pair_excess(h - a.height[i + 1], beside, beside);
+            const int32_t to_se = pair_excess(h - b.height[i + 1], across, across);
+            const int32_t to_s = pair_excess(h - b.height[i], beside, beside);
+            const int32_t to_sw = pair_excess(h - b.height[i - 1], across, across);
+            e[i] = to_e;
+            se[i] = to_se;
+            s[i] = to_s;
+            sw[i] = to_sw;
+            any |= (to_e | to_se) | (to_s | to_sw);
+        }
+        return any;
+    }
     SAHEL_VECTORIZE
     for (int32_t i = k_first; i < end; ++i) {
         const int32_t h = a.height[i];
@@ -225,7 +254,7 @@ SAHEL_HD void gather_row(const int32_t* e, const int32_t* se, const int32_t* s, 
     }
 }
 
-// Blocks side by side: the same slot, the same rows.
+// Blocks side by side: the same slot, the same rows, one repose or none.
 struct Strip {
     const SlideWork* work;
     int32_t count;
@@ -235,8 +264,9 @@ struct Strip {
     }
 };
 
-void sweep_strip(const SlideSweep& f, const Strip& strip, Ring& ring) {
+template <bool Even> void sweep_strip_of(const SlideSweep& f, const Strip& strip, Ring& ring) {
     const SlideGround& g = f.ground;
+    const int32_t repose = strip.work[0].repose;
     const LocalRect rect = strip.rect();
     const int32_t slot = strip.work[0].slot;
     const int32_t w = rect.x1 - rect.x0; // cell x of the block is word x - x0 + k_first + k_rim
@@ -260,14 +290,14 @@ void sweep_strip(const SlideSweep& f, const Strip& strip, Ring& ring) {
         const int32_t i2 = (r - 2) & (k_ring - 1);
         const int32_t i3 = (r - 3) & (k_ring - 1);
         Cells& now = ring.cells[i0];
-        if (r + 1 < rect.y1 + k_rim) fetch_row(g, slot, r + 1, rect.x0 - k_rim, rect.x1 + k_rim);
-        load_row(g, slot, r, rect.x0 - k_rim, rect.x1 + k_rim, all_give, now);
+        load_row<Even>(g, slot, r, rect.x0 - k_rim, rect.x1 + k_rim, all_give, now);
         if (r == rect.y0 - k_rim) continue;
-        const Cells& up = ring.cells[i1];
-        steep[i1] = pair_rows(up, now, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], w + 2 * k_rim);
+        Cells& up = ring.cells[i1];
+        steep[i1] = pair_rows<Even>(up, now, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], w + 2 * k_rim, repose);
         if (r == rect.y0 - 1) continue;
         // Shares of row r - 1, from the pairs of rows r - 2 and r - 1.
         if ((steep[i1] | steep[i2]) != 0) {
+            if constexpr (Even) load_limits(g, slot, r - 1, rect.x0 - k_rim, rect.x1 + k_rim, all_give, up);
             share_row(f.rule, up.limit, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], ring.se[i2], ring.s[i2],
                       ring.sw[i2], ring.share[i1], w + 2 * k_rim);
         } else {
@@ -312,20 +342,27 @@ void sweep_strip(const SlideSweep& f, const Strip& strip, Ring& ring) {
         for (int32_t b = 0; b < strip.count; ++b) strip.slid[b] = any[b] != 0;
 }
 
+void sweep_strip(const SlideSweep& f, const Strip& strip, Ring& ring) {
+    if (strip.work[0].repose == k_uneven)
+        sweep_strip_of<false>(f, strip, ring);
+    else
+        sweep_strip_of<true>(f, strip, ring);
+}
+
 bool probe_block(const SlideProbe& f, const SlideWork& work, Ring& ring) {
     const LocalRect rect = work.rect;
     const int32_t w = rect.x1 - rect.x0;
     const bool all_give = plain(f.ground, work.slot, rect, 1);
     for (int32_t r = rect.y0; r <= rect.y1; ++r) {
         Cells& now = ring.cells[r & 1];
-        load_row(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
+        load_row<false>(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
         for (int32_t i = k_first; i < k_first + w + 2; ++i) { // what gives nothing never stands too steep
             now.repose[i] = now.limit[i] > 0 ? now.repose[i] + f.start_ticks : k_no_cell;
             now.across[i] = now.limit[i] > 0 ? now.across[i] + f.start_ticks : k_no_cell;
         }
         if (r == rect.y0) continue;
         const int32_t any =
-            pair_rows(ring.cells[(r - 1) & 1], now, ring.e[0], ring.se[0], ring.s[0], ring.sw[0], w + 2);
+            pair_rows<false>(ring.cells[(r - 1) & 1], now, ring.e[0], ring.se[0], ring.s[0], ring.sw[0], w + 2);
         if (any != 0) return true;
     }
     return false;
@@ -364,7 +401,7 @@ void flow_strip(const SlideFlows& f, const Strip& strip, Ring& ring) {
     int32_t any[k_strip_blocks] = {};
     for (int32_t r = rect.y0; r <= rect.y1; ++r) {
         Cells& now = ring.cells[r & 1];
-        load_row(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
+        load_row<false>(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
         SAHEL_VECTORIZE
         for (int32_t i = 0; i < words; ++i) now.limit[i] = slide_cap(now.limit[i]);
         if (r == rect.y0) continue;
@@ -441,7 +478,7 @@ std::vector<Strip> strips_of(const SlideLaunch& l) {
             Strip& last = strips.back();
             const SlideWork& before = last.work[last.count - 1];
             if (before.slot == w.slot && before.rect.y0 == w.rect.y0 && before.rect.y1 == w.rect.y1 &&
-                before.rect.x1 == w.rect.x0) {
+                before.rect.x1 == w.rect.x0 && before.repose == w.repose) {
                 ++last.count;
                 continue;
             }

@@ -18,7 +18,8 @@ class HostSlides final : public SlideRunner {
         const std::vector<SlideWork> everywhere = blocks_.all(d_.halo() - 1);
         return blocks_.note(everywhere, run_slides(d_, everywhere, probe), 1.0f);
     }
-    Status sweep(int, int32_t margin, const SlideSweep& f) override {
+    Status sweep(int n, int32_t margin, const SlideSweep& f) override {
+        if (n == 0 && f.ground.kind == AvalancheKind::sand) blocks_.set_repose(repose_of_blocks(f.ground));
         work_ = blocks_.pick(margin, f.rule.strength);
         slid_ = blocks_.note(work_, run_slides(d_, work_, f), f.rule.strength);
         count(work_);
@@ -90,6 +91,37 @@ class HostSlides final : public SlideRunner {
                 (*of.f)(static_cast<int32_t>(i / of.rows), static_cast<int32_t>(i % of.rows) + of.first);
             },
             &context);
+    }
+    // Ticks of repose of each block, k_uneven where its cells differ.
+    [[nodiscard]] std::vector<int32_t> repose_of_blocks(const SlideGround& ground) const {
+        struct Context {
+            const SlideGround& ground;
+            const SlideGrid& grid;
+            std::vector<int32_t> found;
+        } context{ground, blocks_.grid(), std::vector<int32_t>(static_cast<size_t>(blocks_.grid().count()), k_uneven)};
+        const auto rows_of_blocks = int64_t{context.grid.slots} * context.grid.count_y;
+        detail::run_blocks(
+            "sim/avalanche repose", d_.owned_cells(), rows_of_blocks,
+            [](const void* c, int64_t i) {
+                auto& of = *static_cast<Context*>(const_cast<void*>(c));
+                const auto slot = static_cast<int32_t>(i / of.grid.count_y);
+                const auto by = static_cast<int32_t>(i % of.grid.count_y);
+                for (int32_t bx = 0; bx < of.grid.count_x; ++bx) {
+                    const LocalRect r = of.grid.rect(bx, by, of.grid.halo);
+                    if (r.empty()) continue;
+                    const float first = of.ground.repose(slot, r.x0, r.y0);
+                    bool even = true;
+                    for (int32_t y = r.y0; y < r.y1; ++y) {
+                        const float* const row = of.ground.repose.row(slot, y);
+                        for (int32_t x = r.x0; x < r.x1; ++x) even &= row[x] == first;
+                    }
+                    if (even)
+                        of.found[static_cast<size_t>(i * of.grid.count_x + bx)] =
+                            repose_ticks(first, of.ground.ticks_per_tangent);
+                }
+            },
+            &context);
+        return std::move(context.found);
     }
     void count(const std::vector<SlideWork>& work) {
         for (const SlideWork& w : work) cells_ += w.rect.area();
