@@ -93,9 +93,9 @@ FrameUniforms frame_uniforms(const RendererDesc& desc, const Atmosphere& atmosph
     const glm::vec2 c2 = noise_phase(x, y, 0.8, 0.6, -0.6, 0.8, 0.000093), c3 = noise_phase(y, x, 1, 0, 0, 1, 0.00037);
     u.noise_phase = {glm::vec4(n1, n2), glm::vec4(n3, n4), glm::vec4(nb, c1), glm::vec4(c2, c3)};
     u.wall_phase = {noise_phase(x, y, 1, 0, 0, 1, 0.047), noise_phase(x, y, 1, 0, 0, 1, 0.3)};
-    for (int i = 0; i < k_slip_directions; ++i) {
-        const double turn = std::numbers::pi * i / k_slip_directions;
-        u.slip_phase[static_cast<size_t>(i / 4)][i % 4] =
+    for (int i = 0; i < k_contour_directions; ++i) {
+        const double turn = std::numbers::pi * i / k_contour_directions;
+        u.contour_phase[static_cast<size_t>(i / 4)][i % 4] =
             static_cast<float>(fraction((x * std::cos(turn) + y * std::sin(turn)) * 0.047));
     }
     for (int i = 0; i < k_ripple_directions; ++i) {

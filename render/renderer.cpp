@@ -19,6 +19,7 @@ namespace {
 
 constexpr int k_bloom_levels = 4;
 constexpr int k_grid_orders = 4; ///< of the grid's quads: near ones first, from each corner
+
 GLuint make_texture_2d(GLenum format, int width, int height, GLenum filter) {
     GLuint t = 0;
     glCreateTextures(GL_TEXTURE_2D, 1, &t);

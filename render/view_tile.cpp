@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace sahel {
 
@@ -153,16 +152,18 @@ void fill_mips(MipChain<Rgba8>& chain, int side) {
     });
 }
 
-/// Bilinear, between the corners of the coarsest lattice.
+/// The corners of the coarsest lattice around a cell, and their shares: lattice corner i lies at cell 8 i.
 struct CoarseCorners {
     int i, j;
     float a, b;
 
-    CoarseCorners(int x, int y) {
-        const float u = std::clamp((static_cast<float>(x) + 0.5f) * 0.125f, 0.0f, 63.999f);
-        const float v = std::clamp((static_cast<float>(y) + 0.5f) * 0.125f, 0.0f, 63.999f);
-        i = static_cast<int>(u);
-        j = static_cast<int>(v);
+    /// Corners [first, last].
+    CoarseCorners(int x, int y, int first, int last) {
+        const auto least = static_cast<float>(first), most = static_cast<float>(last) - 1e-3f;
+        const float u = std::clamp((static_cast<float>(x) + 0.5f) * 0.125f, least, most);
+        const float v = std::clamp((static_cast<float>(y) + 0.5f) * 0.125f, least, most);
+        i = static_cast<int>(std::floor(u));
+        j = static_cast<int>(std::floor(v));
         a = u - static_cast<float>(i);
         b = v - static_cast<float>(j);
     }
@@ -171,18 +172,31 @@ struct CoarseCorners {
         const float bottom = l.at(i, j + 1) + a * (l.at(i + 1, j + 1) - l.at(i, j + 1));
         return top + b * (bottom - top);
     }
-    float least(const Lattice2& l) const {
-        return std::min(std::min(l.at(i, j), l.at(i + 1, j)), std::min(l.at(i, j + 1), l.at(i + 1, j + 1)));
+    /// The mean of those corners alone where `known` is not 0.
+    float mean(const Lattice2& l, const Lattice2& known) const {
+        float sum = 0.0f, shares = 0.0f;
+        for (int n = 0; n < 4; ++n) {
+            const int x = i + n % 2, y = j + n / 2;
+            const float share = (n % 2 ? a : 1.0f - a) * (n / 2 ? b : 1.0f - b) * known.at(x, y);
+            sum += share * l.at(x, y);
+            shares += share;
+        }
+        return sum / shares;
     }
 };
 
-/// Height of the water near a cell minus the ground there, m: the depth where wet, else from the lattice; nothing where
-/// no water is near.
-std::optional<float> water_above_ground(const Cells& c, const Lattices& l, int x, int y, const CoarseCorners& corners) {
+/// Water near a cell: its height minus the ground there, m, and how far it is known: 0 where none is near.
+struct WaterNear {
+    float above_m = -k_below_ground_m;
+    float known = 0.0f;
+};
+WaterNear water_near(const Cells& c, const Lattices& l, int x, int y) {
     const float depth = c.water[c.index(x, y)];
-    if (depth > k_wet_m) return depth;
-    if (corners.least(l.reach) == 0.0f) return {};
-    return std::min(corners.mix(l.water[2]) - c.ground[c.index(x, y)], 0.0f);
+    if (depth > k_wet_m) return {depth, 1.0f};
+    const CoarseCorners corners(x, y, 0, 64);
+    const float known = corners.mix(l.reach);
+    if (known <= 1e-3f) return {};
+    return {std::min(corners.mean(l.water[2], l.reach) - c.ground[c.index(x, y)], 0.0f), known};
 }
 
 /// Wind, shelter and sand in the air; nothing where no wind was simulated.
@@ -334,22 +348,24 @@ Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, T
             const float up = 1.0f / std::sqrt(gx * gx + gy * gy + 1.0f);
             tile->normal[0][at] = {snorm16(-gx * up), snorm16(-gy * up)};
 
-            const CoarseCorners corners(x, y);
-            const std::optional<float> known = water_above_ground(c, lattices, x, y, corners);
-            const float above = known.value_or(-k_below_ground_m);
+            const WaterNear near = water_near(c, lattices, x, y);
+            const float above = near.above_m;
             tile->water[0][at].x = static_cast<int16_t>(std::clamp(above * 256.0f, -32767.0f, 32767.0f));
             const float loose_m = metres_of_ticks(sand(x, y) + soil(x, y));
             tile->water[0][at].y = snorm16(1.0f - sstep(0.03f, 0.25f, loose_m));
 
             // Distance to the shore from the height above the water and the slope of the shore.
             const float slope = std::sqrt(gx * gx + gy * gy);
-            const float shore_m = known ? -above / std::max(slope, 0.03f) : 60.0f;
+            constexpr float k_far_m = 60.0f; // and whatever lies farther
+            const float shore_m = k_far_m + near.known * (std::min(-above / std::max(slope, 0.03f), k_far_m) - k_far_m);
             const float near_water = sstep(24.0f, 2.0f, shore_m);
             const float soil_m = metres_of_ticks(soil(x, y));
             const float wet = sstep(-0.25f, 0.65f, wetness(x, y));
             // Rain gathers where a slope is hollow, and soil keeps it: there something grows.
-            const float hollow = sstep(0.0f, 0.06f * cell, corners.mix(lattices.ground[2]) - c.ground[c.index(x, y)]) *
-                                 sstep(0.08f, 0.5f, slope) * clamp01(soil_m * 4.0f);
+            const float around = CoarseCorners(x, y, -1, 65).mix(lattices.ground[2]);
+            const float hollow = shore_m > 0.0f ? sstep(0.0f, 0.06f * cell, around - c.ground[c.index(x, y)]) *
+                                                      sstep(0.08f, 0.5f, slope) * clamp01(soil_m * 4.0f)
+                                                : 0.0f;
             const float damp = std::max(shore_m > 0.0f ? near_water : 0.0f, hollow);
             const float litter = clamp01(soil_m * 0.55f) * (0.10f + 0.90f * wet) + 0.45f * damp;
             const float moist = clamp01(0.15f + 0.65f * wet + 0.5f * std::max(near_water, hollow) +

@@ -57,7 +57,7 @@ struct SlideGrid {
     }
 };
 
-inline constexpr int32_t k_uneven = -1;
+inline constexpr int32_t k_uneven = -1; ///< repose of a block that has more than one
 
 /// Cells of one block that a sweep works out.
 struct SlideWork {

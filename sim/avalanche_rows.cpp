@@ -18,7 +18,7 @@ constexpr int32_t k_lanes = 8;
 // first cache (17 lines of 64 bytes further on in each page) and not on top of each other.
 constexpr int32_t k_row = k_strip_blocks * k_slide_block_x + 17 * 16;
 static_assert(k_row >= k_width + k_lanes + 1 && k_strip_blocks * k_slide_block_x % 1024 == 0);
-constexpr int32_t k_no_cell = 1 << 29; // their height; they stand at any slope
+constexpr int32_t k_no_cell = 1 << 29; // their height where repose is read: they stand at any slope
 constexpr int32_t k_ring = 4;          // rows; a power of two
 
 using Row = int32_t[k_row];
@@ -31,7 +31,7 @@ SAHEL_HD int32_t smaller(int32_t a, int32_t b) {
     return a < b ? a : b;
 }
 
-// Loops over a row end at a whole number of vectors: what they work out beyond is 0.
+// Loops over a row end at a whole number of vectors: what they work out beyond has no share in anything.
 SAHEL_HD int32_t whole(int32_t count) {
     return (count + k_lanes - 1) / k_lanes * k_lanes;
 }
@@ -125,7 +125,7 @@ void load_limits(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int3
     int32_t* const limit = to.limit + k_first;
     const int32_t count = x1 - x0;
     for (int32_t i = 0; i < count; ++i) limit[i] = loose[i];
-    for (int32_t i = count; i < whole(count); ++i) limit[i] = 0;
+    for (int32_t i = count; i < used(count) - k_first; ++i) limit[i] = 0;
     if (all_give) return;
     for (int32_t i = 0; i < count; ++i)
         if (!g.gives(slot, x0 + i, y)) limit[i] = 0;

@@ -9,7 +9,7 @@
 #include <cstdint>
 
 /// Sweeps on the CPU, block by block. Every pair of neighbours is looked at once: rows of the block stream through a
-/// ring of a few rows that stays in the first cache, the loops over a row are vectorised, and what slid between two
+/// ring of a few rows that stays in the caches, the loops over a row are vectorised, and what slid between two
 /// rows is added to both.
 ///
 ///     pairs of row y   E: (x, y)-(x+1, y)   SE: (x, y)-(x+1, y+1)   S: (x, y)-(x, y+1)   SW: (x, y)-(x-1, y+1)

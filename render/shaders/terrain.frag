@@ -18,6 +18,7 @@ vec4 noise_at(vec2 uv, float scale, float log_m) {
 // per wavelength whose angle turns once round each place where both are 0: there a crest ends, or forks in two.
 vec3 ripples(vec2 q, vec2 along, vec2 phase, vec2 strength, float steep, vec4 fork) {
     float u = dot(q, along);
+    fork += vec4(1e-6, 0.0, 1e-6, 0.0); // atan(0, 0) is not defined
     float f1 = 2.0 * k_pi * (u / 0.34 + phase.x) + atan(fork.y, fork.x);
     float f2 = 2.0 * k_pi * (u / 2.3 + phase.y) + atan(fork.w, fork.z);
     float r1 = cos(f1 + 0.55 * sin(f1)), r2 = cos(f2 + 0.5 * sin(f2));
@@ -35,7 +36,7 @@ void streaks_down(int direction, vec2 p, float down, float log_m, float strength
                   inout vec3 albedo) {
     float turn = float(direction) * (k_pi / 12.0);
     vec2 along = vec2(cos(turn), sin(turn));
-    vec4 streak = noise_at(vec2(slip_phase[direction / 4][direction % 4] + dot(p, along) * 0.047, down), 0.047, log_m);
+    vec4 streak = noise_at(vec2(contour_phase[direction / 4][direction % 4] + dot(p, along) * 0.047, down), 0.047, log_m);
     albedo *= 1.0 + strength * 0.45 * (streak.b - 0.5);
     n.xz -= along * (strength * depth * (streak.r - 0.5));
 }
@@ -105,12 +106,12 @@ void main() {
     vec3 soil_colour = mix(vec3(0.33, 0.225, 0.135), vec3(0.43, 0.305, 0.185), smoothstep(-0.2, 0.2, v4)) * (1.0 + 0.42 * v3 + 0.30 * v2 + 0.42 * v1);
     vec3 humus_colour = vec3(0.085, 0.060, 0.036) * (1.0 + 0.8 * v2 + 0.7 * v1);
     float litter = material.g + 0.5 * v2 + 0.25 * v3 + 0.2 * v1;
-    float dryness = clamp(0.55 + 0.5 * smoothstep(0.95, 0.35, litter) - 0.9 * material.b + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
+    float dryness = clamp(0.55 + 0.5 * (1.0 - smoothstep(0.35, 0.95, litter)) - 0.9 * material.b + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
     vec3 green_colour = mix(vec3(0.070, 0.100, 0.022), vec3(0.20, 0.165, 0.060), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
 
     // Thin drifts lie on level dry ground, too thin for the layers.
-    float drift = smoothstep(0.02, 0.20, 0.8 * v3 + 0.7 * v2 + 0.5 * v4 + 0.15 * v1) * smoothstep(0.10, 0.03, slope) *
-                  smoothstep(0.30, 0.10, material.g) * smoothstep(0.55, 0.25, material.b);
+    float drift = smoothstep(0.02, 0.20, 0.8 * v3 + 0.7 * v2 + 0.5 * v4 + 0.15 * v1) * (1.0 - smoothstep(0.03, 0.10, slope)) *
+                  (1.0 - smoothstep(0.10, 0.30, material.g)) * (1.0 - smoothstep(0.25, 0.55, material.b));
     float sand = max(smoothstep(0.30, 0.62, material.r + 0.45 * v2 + 0.35 * v3 + 0.12 * v1), 0.8 * drift);
     float humus = smoothstep(0.25, 0.60, litter) * (1.0 - sand * mix(0.85, 1.0, smoothstep(0.5, 0.8, material.r)));
     vec3 albedo = mix(soil_colour, sand_colour, sand);
@@ -118,7 +119,7 @@ void main() {
     float bare = smoothstep(0.10, 0.26, slope + 0.16 * v2 + 0.10 * v3 - 0.10 * sand - 0.05 * humus) * (1.0 - 0.9 * sand * smoothstep(0.5, 0.8, material.r));
     bare = max(bare, 0.85 * smoothstep(0.35, 0.85, water.y + 0.5 * v2 + 0.3 * v3) * (1.0 - sand));
     albedo = mix(albedo, rock_colour, bare);
-    float snow = smoothstep(rock.z - 60.0, rock.z + 140.0, height + 260.0 * v3 + 300.0 * v4) * smoothstep(0.42, 0.20, slope + 0.2 * v2);
+    float snow = smoothstep(rock.z - 60.0, rock.z + 140.0, height + 260.0 * v3 + 300.0 * v4) * (1.0 - smoothstep(0.20, 0.42, slope + 0.2 * v2));
     albedo = mix(albedo, vec3(0.80, 0.82, 0.86), snow);
 
     // Pebbles and grit where nothing else covers the ground.
@@ -144,8 +145,8 @@ void main() {
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
         vec2 q = p + vec2(v3 * 0.8 + (blurred.b - 0.5) * 2.2, (blurred.a - 0.5) * 2.2);
         vec4 fork = vec4(blurred.rg, textureLod(noise_map, noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061, 3.5).rg) - 0.5;
-        float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * smoothstep(0.15, 0.06, slope);
-        float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * smoothstep(0.16, 0.09, slope);
+        float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * (1.0 - smoothstep(0.06, 0.15, slope));
+        float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * (1.0 - smoothstep(0.09, 0.16, slope));
         float loose = smoothstep(-0.16, 0.14, v3 + 0.35 * v2 + 0.5 * v4); // in patches, as wind finds loose sand
         float steep = (0.25 + 0.75 * loose) * (0.03 + 0.24 * n2.a);
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
@@ -174,13 +175,13 @@ void main() {
         float turn = atan(ground_n.z, ground_n.x) * (12.0 / k_pi) + 18.0 + 0.5 * v3;
         float first = floor(turn), share = smoothstep(0.3, 0.7, turn - first);
         float down = height * 0.0035 + 0.3 * v4, log_m = log2(d * screen.w) + 0.5;
-        float depth = rill > slip ? 0.8 : 0.3;
+        float depth = mix(0.3, 0.8, rill / (slip + rill));
         if (share < 1.0) streaks_down(int(first) % 12, p, down, log_m, streaks * (1.0 - share), depth, n, albedo);
         if (share > 0.0) streaks_down(int(first + 1.0) % 12, p, down, log_m, streaks * share, depth, n, albedo);
     }
     n = normalize(n);
 
-    float wet = shore_near ? smoothstep(2.6, 0.2, shore + 2.0 * v2) : 0.0;
+    float wet = shore_near ? (1.0 - smoothstep(0.2, 2.6, shore + 2.0 * v2)) : 0.0;
     albedo *= mix(1.0, 0.42, wet * 0.95);
     albedo *= 1.0 - 0.35 * material.b * material.b * (1.0 - wet) * (1.0 - sand) * (1.0 - bare);
     if (water.x > 0.0) albedo *= vec3(0.80, 0.88, 0.80);

@@ -103,7 +103,7 @@ void main() {
         }
     }
     float outside = max(hit.x - 1.0, -hit.x);
-    float found = at <= 1.0 ? smoothstep(0.35, 0.10, outside) * smoothstep(0.5, 0.42, abs(hit.y - 0.5)) : 0.0;
+    float found = at <= 1.0 ? (1.0 - smoothstep(0.10, 0.35, outside)) * (1.0 - smoothstep(0.42, 0.5, abs(hit.y - 0.5))) : 0.0;
     mirrored = mix(mirrored, texture(ground_colour, within(hit)).rgb, found);
     float half_angle = max(0.0, dot(n, normalize(view + sun.xyz)));
     mirrored += (18.0 * pow(half_angle, 900.0) + 0.9 * pow(half_angle, 140.0)) * sun_light.rgb * sun_seen * 0.35;
@@ -111,7 +111,7 @@ void main() {
 
     // Waves break on a slope, not over flats.
     float grade = (abs(dFdx(depth)) + abs(dFdy(depth))) / (length(dFdx(p)) + length(dFdy(p)) + 1e-4);
-    float foam = smoothstep(0.012, 0.04, grade) * smoothstep(0.22, 0.02, depth) * smoothstep(0.50, 0.72, b.b + 0.175 * sin(depth * 38.0 - time * 1.1 + 6.0 * e.b));
+    float foam = smoothstep(0.012, 0.04, grade) * (1.0 - smoothstep(0.02, 0.22, depth)) * smoothstep(0.50, 0.72, b.b + 0.175 * sin(depth * 38.0 - time * 1.1 + 6.0 * e.b));
     c = mix(c, vec3(0.75) * light / k_pi, foam * 0.35);
     c = c * air_kept + air_added;
     colour = vec4(mix(texture(ground_colour, screen_uv).rgb, c, smoothstep(-0.02, 0.10, depth)), 1.0);

@@ -64,6 +64,8 @@ TEST(TwoModes, GiveThePublishedAngles) {
         EXPECT_NEAR(m.elongation_deg, r.elongation, 0.06) << r.angle;
         EXPECT_NEAR(m.resultant_share, r.share, 0.006) << r.angle;
     }
+    // Most gross transport has a closed form here: tan a = (2 - cos t) / sin t.
+    EXPECT_NEAR(two_modes({{2.0, 0.0}, {1.0, 105.0}}, 0.0).instability_deg, 66.85, 0.02);
     const TwoModes one = two_modes({{3.0, 30.0}}); // one wind: across it, and along it
     EXPECT_NEAR(one.instability_deg, 120.0, 0.02);
     EXPECT_NEAR(one.elongation_deg, 30.0, 0.02);

@@ -10,9 +10,11 @@
 #include <algorithm>
 
 /// Two winds R = 2 at angles of 45, 105 and 150 degrees by four degrees of cover (paper, Figure 3). With all ground
-/// covered the crests must lie as the instability of a bed says, within 15 degrees. On a small periodic domain crests
-/// lock to whole waves of the domain: the nearest line that it allows is told beside the expected one, and the domain
-/// is the larger the more lines it allows.
+/// covered the crests must lie where most sand crosses them, whichever way (maximum gross bedform-normal transport;
+/// Rubin and Hunter, Science 237, 1987), within 15 degrees. Beside it stands the line of the instability of a bed over
+/// whose crests the flux grows by 1 + 1.6 |sin a|, as over real dunes: here it grows by the venturi effect alone, a
+/// tenth over a dune of 20 m. On a small periodic domain crests lock to whole waves of the domain, and the larger it is
+/// the more lines it allows.
 namespace sahel::experiments {
 
 namespace {
@@ -43,9 +45,10 @@ Result<Report> run_bidirectional(const Setup& setup) {
     report.picture_px = 512;
     // Cells of 2 m: the full form is 1024 m wide, as the lines need. The quick form makes only the row that is judged.
     constexpr double cell_m = 2.0;
-    const double accept_deg = setup.quick ? 20.0 : 15.0; // few lines fit a domain of 256 m
+    constexpr double k_accept_deg = 15.0;
     Table table{"crest lines [deg]",
-                {"cover", "angle", "measured", "coherence", "instability", "elongation", "cover now", "height"},
+                {"cover", "angle", "measured", "coherence", "most gross transport", "instability", "elongation",
+                 "cover now", "height"},
                 {}};
     const size_t first = setup.quick ? k_covers.size() - 1 : 0;
     const double runs = static_cast<double>((k_covers.size() - first) * k_angles.size());
@@ -86,25 +89,30 @@ Result<Report> run_bidirectional(const Setup& setup) {
             done += 1.0;
             const Plane sand = run.sand();
             const CrestAngle crest = mean_line(lines);
-            const TwoModes modes = two_modes({{2.0, 0.0}, {1.0, angle}});
+            const std::vector<FluxWind> winds = {{2.0, 0.0}, {1.0, angle}};
+            const TwoModes modes = two_modes(winds);
+            const double gross_deg = two_modes(winds, 0.0).instability_deg;
             const double now = coverage_of(sand, 0.5);
             if (cover.share >= 1.0f)
-                report.require(fmt::format("{}: crests from the line of instability", name),
-                               line_angle_between(crest.angle_deg, modes.instability_deg), "deg", 0.0, accept_deg,
-                               fmt::format("{:.1f} deg, expected {:.1f}", crest.angle_deg, modes.instability_deg));
+                report.require(fmt::format("{}: crests from most gross transport", name),
+                               line_angle_between(crest.angle_deg, gross_deg), "deg", 0.0, k_accept_deg,
+                               fmt::format("{:.1f} deg, expected {:.1f}; instability {:.1f}", crest.angle_deg,
+                                           gross_deg, modes.instability_deg));
             else
                 report.tell(fmt::format("{}: crest line", name), crest.angle_deg, "deg",
-                            fmt::format("instability {:.0f}, elongation {:.0f}, coherence {:.2f}",
-                                        modes.instability_deg, modes.elongation_deg, crest.coherence));
+                            fmt::format("gross {:.0f}, instability {:.0f}, elongation {:.0f}, coherence {:.2f}",
+                                        gross_deg, modes.instability_deg, modes.elongation_deg, crest.coherence));
             table.rows.push_back({cover.name, fmt::format("{:.0f}", angle), fmt::format("{:.1f}", crest.angle_deg),
-                                  fmt::format("{:.2f}", crest.coherence), fmt::format("{:.1f}", modes.instability_deg),
+                                  fmt::format("{:.2f}", crest.coherence), fmt::format("{:.1f}", gross_deg),
+                                  fmt::format("{:.1f}", modes.instability_deg),
                                   fmt::format("{:.1f}", modes.elongation_deg), fmt::format("{:.2f}", now),
                                   fmt::format("{:.1f} m", largest_of(sand))});
             if (setup.pictures)
                 report.pictures.push_back(
                     {ground_picture(run),
-                     fmt::format("{}: crests at {:.0f} deg, coherence {:.2f}\ninstability {:.0f}, elongation {:.0f}",
-                                 name, crest.angle_deg, crest.coherence, modes.instability_deg, modes.elongation_deg)});
+                     fmt::format(
+                         "{}: crests at {:.0f} deg, coherence {:.2f}\nmost gross transport {:.0f}, elongation {:.0f}",
+                         name, crest.angle_deg, crest.coherence, gross_deg, modes.elongation_deg)});
         }
     report.tables.push_back(std::move(table));
     return report;
