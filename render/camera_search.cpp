@@ -2,11 +2,11 @@
 
 #include "render/view_panorama.h"
 #include "render/view_score.h"
+#include "world/executor.h"
 #include "world/ground_sampler.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -293,7 +293,8 @@ Result<std::vector<FoundView>> find_views(const SurfaceSource& source, const Cam
     // Each standpoint is looked at by itself: the order and the threads do not matter.
     std::vector<FoundView> seen(points.size());
     tbb::enumerable_thread_specific<ViewTerrain> terrains([&] { return ViewTerrain(source, uint64_t{64} << 20); });
-    tbb::parallel_for(size_t{0}, points.size(), [&](size_t i) {
+    for_each_index("camera/look around", static_cast<int64_t>(points.size()), [&](int64_t index) {
+        const auto i = static_cast<size_t>(index);
         ViewTerrain& terrain = terrains.local();
         const Vec3d eye = eye_at(terrain, points[i]);
         // Water is no place to stand.
@@ -309,7 +310,8 @@ Result<std::vector<FoundView>> find_views(const SurfaceSource& source, const Cam
         const auto better = [](const FoundView& a, const FoundView& b) { return a.score > b.score; };
         std::stable_sort(ranked.begin(), ranked.end(), better);
         const auto judged = std::min(ranked.size(), static_cast<size_t>(4 * options.per_kind + 6));
-        tbb::parallel_for(size_t{0}, judged, [&](size_t i) { judge_shade(terrains.local(), options, ranked[i]); });
+        for_each_index("camera/shade", static_cast<int64_t>(judged),
+                       [&](int64_t i) { judge_shade(terrains.local(), options, ranked[static_cast<size_t>(i)]); });
         ranked.resize(judged);
         std::stable_sort(ranked.begin(), ranked.end(), better);
         int taken = 0;

@@ -93,6 +93,7 @@ FrameUniforms frame_uniforms(const RendererDesc& desc, const Atmosphere& atmosph
     const glm::vec2 c2 = noise_phase(x, y, 0.8, 0.6, -0.6, 0.8, 0.000093), c3 = noise_phase(y, x, 1, 0, 0, 1, 0.00037);
     u.noise_phase = {glm::vec4(n1, n2), glm::vec4(n3, n4), glm::vec4(nb, c1), glm::vec4(c2, c3)};
     u.wall_phase = {noise_phase(x, y, 1, 0, 0, 1, 0.047), noise_phase(x, y, 1, 0, 0, 1, 0.3)};
+    u.grain_phase = {noise_phase(x, y, 1, 0, 0, 1, 1.0 / 8192.0), 0.0f, 0.0f};
     for (int i = 0; i < k_contour_directions; ++i) {
         const double turn = std::numbers::pi * i / k_contour_directions;
         u.contour_phase[static_cast<size_t>(i / 4)][i % 4] =

@@ -17,13 +17,13 @@ struct FrameUniforms {
     glm::mat4 view_projection, inverse_view_projection;
     glm::vec4 eye, lod, sun, sun_light, light_up, light_side, light_ground, haze, screen, wind, look, rock;
     std::array<glm::vec4, 4> noise_phase;
-    glm::vec4 wall_phase;
+    glm::vec4 wall_phase, grain_phase;
     std::array<glm::vec4, k_contour_directions / 4> contour_phase;
     std::array<glm::vec4, k_ripple_directions / 2> ripple_phase;
     glm::ivec4 mode;
 };
 static_assert(sizeof(FrameUniforms) ==
-              2 * 64 + 12 * 16 + 5 * 16 + k_contour_directions / 4 * 16 + k_ripple_directions / 2 * 16 + 16);
+              2 * 64 + 12 * 16 + 6 * 16 + k_contour_directions / 4 * 16 + k_ripple_directions / 2 * 16 + 16);
 
 /// The block of one jittered sample of a picture. Where patterns of the ground are is computed in double, relative to
 /// the eye: they stay in place a million kilometres away.

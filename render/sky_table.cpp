@@ -1,6 +1,6 @@
 #include "render/sky_table.h"
 
-#include <oneapi/tbb/parallel_for.h>
+#include "world/executor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -119,7 +119,8 @@ SkyTable make_sky_table(const Atmosphere& a) {
     const float sun_sine = std::sin(direction.elevation_rad), sun_cosine = std::cos(direction.elevation_rad);
     SkyTable table;
     table.radiance.resize(static_cast<size_t>(SkyTable::k_width) * SkyTable::k_height);
-    oneapi::tbb::parallel_for(0, SkyTable::k_height, [&](int j) {
+    for_each_index("render/sky", SkyTable::k_height, [&](int64_t row) {
+        const auto j = static_cast<int>(row);
         const float s = static_cast<float>(j) / (SkyTable::k_height - 1);
         for (int i = 0; i < SkyTable::k_width; ++i) {
             const float azimuth = static_cast<float>(i) / (SkyTable::k_width - 1) * k_pi;

@@ -3,10 +3,10 @@
 #include "render/camera_search.h"
 #include "render/view_score.h"
 #include "tools/flight.h"
+#include "world/executor.h"
 #include "world/ground_sampler.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -101,8 +101,8 @@ Result<Flight> choose_flight(const World& world, const std::vector<FoundView>& f
             flights.push_back({std::move(path), view.sun_azimuth_deg, -1.0});
         }
     tbb::enumerable_thread_specific<ViewTerrain> terrains([&] { return ViewTerrain(world.surface()); });
-    tbb::parallel_for(size_t{0}, flights.size(), [&](size_t i) {
-        Flight& f = flights[i];
+    for_each_index("tour/flights", static_cast<int64_t>(flights.size()), [&](int64_t i) {
+        Flight& f = flights[static_cast<size_t>(i)];
         f.score = flight_score(terrains.local(), f.path, f.sun_azimuth_deg, sun_elevation_deg);
     });
     return *std::max_element(flights.begin(), flights.end(),

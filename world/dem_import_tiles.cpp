@@ -6,10 +6,10 @@
 #include "world/dem_raster.h"
 #include "world/dem_resample.h"
 #include "world/dem_sea.h"
+#include "world/executor.h"
 #include "world/field.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <chrono>
@@ -337,7 +337,10 @@ Status Import::write_tiles() {
             blocks.push_back(std::move(block));
         }
         std::vector<Status> done(count);
-        tbb::parallel_for(size_t{0}, count, [&](size_t i) { done[i] = build_tile(keys[first + i], cover, blocks[i]); });
+        for_each_index("dem/tiles", static_cast<int64_t>(count), [&](int64_t index) {
+            const auto i = static_cast<size_t>(index);
+            done[i] = build_tile(keys[first + i], cover, blocks[i]);
+        });
         std::vector<TileUpdate> updates(count);
         for (size_t i = 0; i < count; ++i) {
             SAHEL_TRY(done[i]);

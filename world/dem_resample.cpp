@@ -1,8 +1,7 @@
 #include "world/dem_resample.h"
+#include "world/executor.h"
 
 #include "world/layers.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -189,7 +188,7 @@ Status Resampler::run(size_t sheet, const CellRect& cells) {
     const int64_t width = cells.width();
     const bool straight = mosaic.straight(sheet);
     const int64_t columns = mosaic.sheet_width(sheet), rows = mosaic.sheet_height(sheet);
-    tbb::parallel_for(int64_t{0}, cells.height(), [&](int64_t j) {
+    for_each_index("dem/resample", cells.height(), [&](int64_t j) {
         Taps tx, ty;
         WeightedSum weighted(window, straight);
         if (straight) {

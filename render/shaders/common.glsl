@@ -16,6 +16,7 @@ layout(std140, binding = 0) uniform Frame {
     vec4 rock;         // x, y: grey from / to, z: snow from, m; w: ripple phase of the eye (turns, 2.3 m)
     vec4 noise_phase[4]; // where the eye is in the noise texture, per size: n1 n2 | n3 n4 | blurred, clouds | clouds 2, 3
     vec4 wall_phase;   // of the eye in the noise texture, x and z unturned: xy 0.047, zw 0.3 a metre
+    vec4 grain_phase;  // xy: of the eye in 8192 m
     vec4 contour_phase[3]; // along 12 directions, 0.047 a metre
     vec4 ripple_phase[12]; // of the eye (turns; 0.34 m, 2.3 m), for 24 directions, two to a vector
     ivec4 mode;        // x: debug view, z: samples of the picture

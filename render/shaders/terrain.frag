@@ -14,6 +14,17 @@ vec4 noise_at(vec2 uv, float scale, float log_m) {
     return textureLod(noise_map, uv, log_m + log2(scale * 512.0));
 }
 
+// Relief as fine as the picture resolves, at every distance: two sizes of noise, of which one gives way to the other.
+// Texels of the finer one are 2^k m wide.
+vec2 grain_of_size(vec2 p, float k) {
+    vec2 uv = fract(grain_phase.xy * exp2(4.0 - k)) + p * (exp2(-k) / 512.0);
+    return textureLod(noise_map, uv, 0.5).rg - 0.5;
+}
+vec2 grain(vec2 p, float log_m) {
+    float k = clamp(log_m + 0.7, -7.0, 4.0), finer = floor(k);
+    return mix(grain_of_size(p, finer), grain_of_size(p, finer + 1.0), k - finer);
+}
+
 // Wind ripples, two wavelengths: the gradient they add, and how much darker their troughs are. `fork` are two fields
 // per wavelength whose angle turns once round each place where both are 0: there a crest ends, or forks in two.
 vec3 ripples(vec2 q, vec2 along, vec2 phase, vec2 strength, float steep, vec4 fork) {
@@ -136,6 +147,7 @@ void main() {
     n.xz -= g_mid * (bare * 0.75 + 0.10 + 0.25 * (1.0 - sand) * (1.0 - bare)) * (1.0 - 0.6 * snow) +
             g_fine * (0.55 * bare + 0.35 * (1.0 - sand) + 0.10);
     n.y -= wall * bare * (0.9 * (n2.g - 0.5) + 0.5 * g_fine.y);
+    n.xz -= grain(p, w) * (1.0 - snow) * mix(0.55, 0.16, sand);
 
     // Wind ripples, two wavelengths, each gone before a pixel would skip it.
     float footprint = d * screen.w / sqrt(max(0.04, dot(view, ground_n)));
@@ -145,10 +157,10 @@ void main() {
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
         vec2 q = p + vec2(v3 * 0.8 + (blurred.b - 0.5) * 2.2, (blurred.a - 0.5) * 2.2);
         vec4 fork = vec4(blurred.rg, textureLod(noise_map, noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061, 3.5).rg) - 0.5;
-        float a1 = flat_sand * (1.0 - smoothstep(0.07, 0.16, footprint)) * (1.0 - smoothstep(0.06, 0.15, slope));
+        float a1 = flat_sand * (1.0 - smoothstep(0.09, 0.19, footprint)) * (1.0 - smoothstep(0.06, 0.15, slope));
         float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * (1.0 - smoothstep(0.09, 0.16, slope));
         float loose = smoothstep(-0.16, 0.14, v3 + 0.35 * v2 + 0.5 * v4); // in patches, as wind finds loose sand
-        float steep = (0.25 + 0.75 * loose) * (0.03 + 0.24 * n2.a);
+        float steep = (0.4 + 0.6 * loose) * (0.05 + 0.26 * n2.a);
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
         vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
         if (dot(blown, blown) < 0.09) {
