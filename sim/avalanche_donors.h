@@ -52,6 +52,9 @@ struct SlideFlowDonor {
         const int32_t ahead[4] = {e(slot, x, y), se(slot, x, y), s(slot, x, y), sw(slot, x, y)};
         const int32_t behind[4] = {e(slot, x - 1, y), se(slot, x - 1, y - 1), s(slot, x, y - 1),
                                    sw(slot, x + 1, y - 1)};
+        int32_t any = 0;
+        for (int k = 0; k < 4; ++k) any |= ahead[k] | behind[k];
+        if (any == 0) return; // nearly everywhere
         for (int k = 0; k < 4; ++k) {
             sink(x + direction_x(k), y + direction_y(k), ahead[k] > 0 ? ahead[k] : 0);
             sink(x - direction_x(k), y - direction_y(k), behind[k] < 0 ? -behind[k] : 0);
