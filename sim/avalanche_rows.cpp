@@ -52,6 +52,12 @@ bool plain(const SlideGround& g, int32_t slot, const LocalRect& r, int32_t rim) 
     return owned || (g.closed[slot] == 0 && g.walls[slot] == 0);
 }
 
+// Cells [x0, x1) of row y that are closed give nothing.
+void close_cells(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, int32_t* limit) {
+    for (int32_t i = 0; i < x1 - x0; ++i)
+        if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
+}
+
 // Cells [x0, x1) of row y; what is closed gives nothing. `Even`: of sand that has one angle of repose, which is not
 // read; words beyond the cells then stand level with the last one.
 template <bool Even>
@@ -114,9 +120,7 @@ void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t
     no_cell(0);
     const int32_t end = used(x1 - x0);
     for (int32_t i = k_first + x1 - x0; i < end; ++i) no_cell(i);
-    if (Even || all_give) return;
-    for (int32_t i = 0; i < x1 - x0; ++i)
-        if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
+    if (!Even && !all_give) close_cells(g, slot, y, x0, x1, limit);
 }
 
 // What the cells of a row of even sand may give: only asked for where something stands too steep.
@@ -126,9 +130,7 @@ void load_limits(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int3
     const int32_t count = x1 - x0;
     for (int32_t i = 0; i < count; ++i) limit[i] = loose[i];
     for (int32_t i = count; i < used(count) - k_first; ++i) limit[i] = 0;
-    if (all_give) return;
-    for (int32_t i = 0; i < count; ++i)
-        if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
+    if (!all_give) close_cells(g, slot, y, x0, x1, limit);
 }
 
 // Excess of a pair: above 0 the first gives, below the second. Both slide_excess() in one.
@@ -137,43 +139,39 @@ SAHEL_HD int32_t pair_excess(int32_t drop, int32_t first, int32_t second) {
     return larger(smaller(over, k_most_excess), -k_most_excess);
 }
 
+// Sets word i of the four pairs of a row; the bits of all that are not 0.
+SAHEL_HD int32_t set_pairs(int32_t* e, int32_t* se, int32_t* s, int32_t* sw, int32_t i, int32_t to_e, int32_t to_se,
+                           int32_t to_s, int32_t to_sw) {
+    e[i] = to_e;
+    se[i] = to_se;
+    s[i] = to_s;
+    sw[i] = to_sw;
+    return (to_e | to_se) | (to_s | to_sw);
+}
+
+// Repose of a cell of a row towards what lies beside and across: of the cell, or of all even sand.
+template <bool Even> struct ReposeOf {
+    int32_t beside_all, across_all;
+    SAHEL_HD int32_t beside(const Cells& c, int32_t i) const { return Even ? beside_all : c.repose[i]; }
+    SAHEL_HD int32_t across(const Cells& c, int32_t i) const { return Even ? across_all : c.across[i]; }
+};
+
 // The pairs of row `a` with itself and with the row below, `b`; the bits of all that are not 0. `repose`: of even sand.
 template <bool Even>
 SAHEL_HD int32_t pair_rows(const Cells& a, const Cells& b, int32_t* e, int32_t* se, int32_t* s, int32_t* sw,
                            int32_t cells, int32_t repose = 0) {
+    const ReposeOf<Even> of{repose, repose_across(repose)};
     int32_t any = 0;
     const int32_t end = k_first + whole(cells);
-    if constexpr (Even) {
-        const int32_t beside = repose, across = repose_across(repose);
-        SAHEL_VECTORIZE
-        for (int32_t i = k_first; i < end; ++i) {
-            const int32_t h = a.height[i];
-            const int32_t to_e = pair_excess(h - a.height[i + 1], beside, beside);
-            const int32_t to_se = pair_excess(h - b.height[i + 1], across, across);
-            const int32_t to_s = pair_excess(h - b.height[i], beside, beside);
-            const int32_t to_sw = pair_excess(h - b.height[i - 1], across, across);
-            e[i] = to_e;
-            se[i] = to_se;
-            s[i] = to_s;
-            sw[i] = to_sw;
-            any |= (to_e | to_se) | (to_s | to_sw);
-        }
-        return any;
-    }
     SAHEL_VECTORIZE
     for (int32_t i = k_first; i < end; ++i) {
         const int32_t h = a.height[i];
-        const int32_t beside = a.repose[i];
-        const int32_t across = a.across[i];
-        const int32_t to_e = pair_excess(h - a.height[i + 1], beside, a.repose[i + 1]);
-        const int32_t to_se = pair_excess(h - b.height[i + 1], across, b.across[i + 1]);
-        const int32_t to_s = pair_excess(h - b.height[i], beside, b.repose[i]);
-        const int32_t to_sw = pair_excess(h - b.height[i - 1], across, b.across[i - 1]);
-        e[i] = to_e;
-        se[i] = to_se;
-        s[i] = to_s;
-        sw[i] = to_sw;
-        any |= (to_e | to_se) | (to_s | to_sw);
+        const int32_t beside = of.beside(a, i);
+        const int32_t across = of.across(a, i);
+        any |= set_pairs(e, se, s, sw, i, pair_excess(h - a.height[i + 1], beside, of.beside(a, i + 1)),
+                         pair_excess(h - b.height[i + 1], across, of.across(b, i + 1)),
+                         pair_excess(h - b.height[i], beside, of.beside(b, i)),
+                         pair_excess(h - b.height[i - 1], across, of.across(b, i - 1)));
     }
     return any;
 }
@@ -189,15 +187,8 @@ SAHEL_HD int32_t slide_rows(const float* share, const float* share_below, int32_
     SAHEL_VECTORIZE
     for (int32_t i = begin; i < end; ++i) {
         const float here = share[i];
-        const int32_t to_e = slid(e[i], here, share[i + 1]);
-        const int32_t to_se = slid(se[i], here, share_below[i + 1]);
-        const int32_t to_s = slid(s[i], here, share_below[i]);
-        const int32_t to_sw = slid(sw[i], here, share_below[i - 1]);
-        e[i] = to_e;
-        se[i] = to_se;
-        s[i] = to_s;
-        sw[i] = to_sw;
-        any |= (to_e | to_se) | (to_s | to_sw);
+        any |= set_pairs(e, se, s, sw, i, slid(e[i], here, share[i + 1]), slid(se[i], here, share_below[i + 1]),
+                         slid(s[i], here, share_below[i]), slid(sw[i], here, share_below[i - 1]));
     }
     return any;
 }
@@ -383,11 +374,7 @@ SAHEL_HD int32_t flow_rows(const SlideInertia& rule, const Cells& a, const Cells
         const int32_t to_se = slide_flow(r, se[i], h - b.height[c + 1], across, {b.across[c + 1], b.limit[c + 1]});
         const int32_t to_s = slide_flow(r, s[i], h - b.height[c], beside, {b.repose[c], b.limit[c]});
         const int32_t to_sw = slide_flow(r, sw[i], h - b.height[c - 1], across, {b.across[c - 1], b.limit[c - 1]});
-        e[i] = to_e;
-        se[i] = to_se;
-        s[i] = to_s;
-        sw[i] = to_sw;
-        any |= (to_e | to_se) | (to_s | to_sw);
+        any |= set_pairs(e, se, s, sw, i, to_e, to_se, to_s, to_sw);
     }
     return any;
 }

@@ -80,48 +80,32 @@ class HostSlides final : public SlideRunner {
         std::memcpy(to.row(slot, y) + x0, from.row(slot, y) + x0, static_cast<size_t>(x1 - x0) * 4);
     }
     template <class F> void for_each_row(const char* name, const F& f) const {
-        struct Context {
-            const F* f;
-            int32_t rows, first;
-        } const context{&f, d_.tile_cells() + 2 * d_.halo(), -d_.halo()};
-        detail::run_blocks(
-            name, int64_t{context.rows} * context.rows * d_.slots(), int64_t{context.rows} * d_.slots(),
-            [](const void* c, int64_t i) {
-                const Context& of = *static_cast<const Context*>(c);
-                (*of.f)(static_cast<int32_t>(i / of.rows), static_cast<int32_t>(i % of.rows) + of.first);
-            },
-            &context);
+        const int32_t rows = d_.tile_cells() + 2 * d_.halo();
+        for_each_index(name, int64_t{rows} * rows * d_.slots(), int64_t{rows} * d_.slots(), [&](int64_t i) {
+            f(static_cast<int32_t>(i / rows), static_cast<int32_t>(i % rows) - d_.halo());
+        });
     }
     // Ticks of repose of each block, k_uneven where its cells differ.
     [[nodiscard]] std::vector<int32_t> repose_of_blocks(const SlideGround& ground) const {
-        struct Context {
-            const SlideGround& ground;
-            const SlideGrid& grid;
-            std::vector<int32_t> found;
-        } context{ground, blocks_.grid(), std::vector<int32_t>(static_cast<size_t>(blocks_.grid().count()), k_uneven)};
-        const auto rows_of_blocks = int64_t{context.grid.slots} * context.grid.count_y;
-        detail::run_blocks(
-            "sim/avalanche repose", d_.owned_cells(), rows_of_blocks,
-            [](const void* c, int64_t i) {
-                auto& of = *static_cast<Context*>(const_cast<void*>(c));
-                const auto slot = static_cast<int32_t>(i / of.grid.count_y);
-                const auto by = static_cast<int32_t>(i % of.grid.count_y);
-                for (int32_t bx = 0; bx < of.grid.count_x; ++bx) {
-                    const LocalRect r = of.grid.rect(bx, by, of.grid.halo);
-                    if (r.empty()) continue;
-                    const float first = of.ground.repose(slot, r.x0, r.y0);
-                    bool even = true;
-                    for (int32_t y = r.y0; y < r.y1; ++y) {
-                        const float* const row = of.ground.repose.row(slot, y);
-                        for (int32_t x = r.x0; x < r.x1; ++x) even &= row[x] == first;
-                    }
-                    if (even)
-                        of.found[static_cast<size_t>(i * of.grid.count_x + bx)] =
-                            repose_ticks(first, of.ground.ticks_per_tangent);
+        const SlideGrid& grid = blocks_.grid();
+        std::vector<int32_t> found(static_cast<size_t>(grid.count()), k_uneven);
+        for_each_index("sim/avalanche repose", d_.owned_cells(), int64_t{grid.slots} * grid.count_y, [&](int64_t i) {
+            const auto slot = static_cast<int32_t>(i / grid.count_y);
+            const auto by = static_cast<int32_t>(i % grid.count_y);
+            for (int32_t bx = 0; bx < grid.count_x; ++bx) {
+                const LocalRect r = grid.rect(bx, by, grid.halo);
+                if (r.empty()) continue;
+                const float first = ground.repose(slot, r.x0, r.y0);
+                bool even = true;
+                for (int32_t y = r.y0; y < r.y1; ++y) {
+                    const float* const row = ground.repose.row(slot, y);
+                    for (int32_t x = r.x0; x < r.x1; ++x) even &= row[x] == first;
                 }
-            },
-            &context);
-        return std::move(context.found);
+                if (even)
+                    found[static_cast<size_t>(i * grid.count_x + bx)] = repose_ticks(first, ground.ticks_per_tangent);
+            }
+        });
+        return found;
     }
     void count(const std::vector<SlideWork>& work) {
         for (const SlideWork& w : work) cells_ += w.rect.area();

@@ -86,36 +86,19 @@ SAHEL_HD void ask_border_donor(const BorderFlowsView& view, const Donor& donor, 
     donor(slot, x, y, sink);
 }
 
-namespace border_flows_detail {
-
-template <class Donor> struct Work {
-    BorderFlowsView view;
-    const Donor* donor;
-    int32_t reach;
-};
-
-template <class Donor> void run_slot(const void* context, int64_t i) {
-    const auto& work = *static_cast<const Work<Donor>*>(context);
-    const auto slot = static_cast<int32_t>(i);
-    const int32_t n = work.view.frame.n;
-    const int32_t r = work.reach;
-    for (int32_t y = -r; y < n + r; ++y) {
-        const bool whole = y < r || y >= n - r || 2 * r >= n;
-        for (int32_t x = -r; x < (whole ? n + r : r); ++x)
-            ask_border_donor(work.view, *work.donor, slot, x, y, PlainAdd{});
-        if (whole) continue;
-        for (int32_t x = n - r; x < n + r; ++x) ask_border_donor(work.view, *work.donor, slot, x, y, PlainAdd{});
-    }
-}
-
-} // namespace border_flows_detail
-
 /// On the host; `reach` is at most the halo. The CUDA form is in border_flows_cuda.cuh.
 template <class Donor>
 void add_border_flows(const char* name, int32_t slots, const BorderFlowsView& view, int32_t reach, const Donor& donor) {
-    const border_flows_detail::Work<Donor> work{view, &donor, reach};
-    const int64_t n = view.frame.n;
-    detail::run_blocks(name, int64_t{slots} * 8 * n * reach, slots, &border_flows_detail::run_slot<Donor>, &work);
+    const int32_t n = view.frame.n, r = reach;
+    for_each_index(name, int64_t{slots} * 8 * n * r, slots, [&](int64_t i) {
+        const auto slot = static_cast<int32_t>(i);
+        for (int32_t y = -r; y < n + r; ++y) {
+            const bool whole = y < r || y >= n - r || 2 * r >= n;
+            for (int32_t x = -r; x < (whole ? n + r : r); ++x) ask_border_donor(view, donor, slot, x, y, PlainAdd{});
+            if (whole) continue;
+            for (int32_t x = n - r; x < n + r; ++x) ask_border_donor(view, donor, slot, x, y, PlainAdd{});
+        }
+    });
 }
 
 } // namespace sahel

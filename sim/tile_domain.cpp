@@ -20,12 +20,6 @@ int64_t stride_of(const TileLayout& layout) {
     return (width + k_row_words - 1) / k_row_words * k_row_words;
 }
 
-// For each i in [0, count), on the threads set.
-template <class F> void parallel(const char* name, int64_t cells, int64_t count, const F& f) {
-    detail::run_blocks(
-        name, cells, count, [](const void* context, int64_t i) { (*static_cast<const F*>(context))(i); }, &f);
-}
-
 uint64_t mixed(uint64_t h) { // the finaliser of splitmix64
     h = (h ^ (h >> 30)) * 0xBF58476D1CE4E5B9ull;
     h = (h ^ (h >> 27)) * 0x94D049BB133111EBull;
@@ -195,7 +189,7 @@ Status TileDomain::exchange(SimLayerSet layers) {
                                      info_of(layer).mirror));
     } else {
         const auto count = static_cast<int64_t>(copies.size());
-        parallel("sim/exchange", cells * layers.size(), count * layers.size(), [&](int64_t i) {
+        for_each_index("sim/exchange", cells * layers.size(), count * layers.size(), [&](int64_t i) {
             const HaloCopy& c = copies[static_cast<size_t>(i % count)];
             const SimLayer layer = list[static_cast<size_t>(i / count)];
             const SlabView<uint32_t> slab = words(layer);
@@ -308,7 +302,7 @@ Result<std::vector<int64_t>> TileDomain::sums(SimLayer layer) const {
         return out;
     }
     std::vector<int64_t> rows(static_cast<size_t>(slots()) * static_cast<size_t>(n));
-    parallel("sim/sums", owned_cells(), slots() * int64_t{n}, [&](int64_t i) {
+    for_each_index("sim/sums", owned_cells(), slots() * int64_t{n}, [&](int64_t i) {
         const int32_t* row = slab.row(static_cast<int32_t>(i / n), static_cast<int32_t>(i % n));
         int64_t sum = 0;
         for (int32_t x = 0; x < n; ++x) sum += row[x];

@@ -37,9 +37,9 @@ struct SceneReport {
     double excess_p99 = 0.0;
     double max_wind_m_per_s = 0.0;
     double sweeps_per_step = 0.0; ///< of the avalanches of sand
-    int64_t solids_ticks = 0;   ///< bedrock, soil, sand and airborne sand of all cells
-    int64_t supplied_ticks = 0; ///< added by supply control since the start, less what it removed
-    int64_t drift_ticks = 0;    ///< solids less the start less supply: 0
+    int64_t solids_ticks = 0;     ///< bedrock, soil, sand and airborne sand of all cells
+    int64_t supplied_ticks = 0;   ///< added by supply control since the start, less what it removed
+    int64_t drift_ticks = 0;      ///< solids less the start less supply: 0
 };
 
 class SceneRun {

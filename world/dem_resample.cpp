@@ -1,6 +1,6 @@
 #include "world/dem_resample.h"
-#include "world/executor.h"
 
+#include "world/executor.h"
 #include "world/layers.h"
 
 #include <algorithm>

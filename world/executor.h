@@ -142,10 +142,14 @@ template <class F> void for_each_cell(const char* name, int32_t slots, const Loc
                        &executor_detail::run_tiles<F>, &work);
 }
 
-/// f(i) for every i in [0, count), one by one, on the threads set: for work that is coarse and not cells.
-template <class F> void for_each_index(const char* name, int64_t count, const F& f) {
+/// f(i) for every i in [0, count), one by one, on the threads set: for work that is coarse. `cells`: what it is
+/// recorded as.
+template <class F> void for_each_index(const char* name, int64_t cells, int64_t count, const F& f) {
     detail::run_blocks(
-        name, count, count, [](const void* context, int64_t i) { (*static_cast<const F*>(context))(i); }, &f);
+        name, cells, count, [](const void* context, int64_t i) { (*static_cast<const F*>(context))(i); }, &f);
+}
+template <class F> void for_each_index(const char* name, int64_t count, const F& f) {
+    for_each_index(name, count, count, f);
 }
 
 } // namespace SAHEL_EXECUTOR_NAMESPACE

@@ -73,7 +73,8 @@ void main() {
     vec2 p = foot.p;
     float w = foot.log_m;
     vec4 n4 = noise_at(noise_phase[1].zw + mat2(0.8, 0.6, -0.6, 0.8) * p * 0.00071, 0.00071, w);
-    vec4 n3 = noise_at(noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061, 0.0061, w);
+    vec2 at3 = noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061;
+    vec4 n3 = noise_at(at3, 0.0061, w);
     vec4 n2 = noise_at(noise_phase[0].zw + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.047, 0.047, w);
     float fine = 1.0 - smoothstep(150.0, 450.0, d);
     vec4 n1 = noise_at(noise_phase[0].xy + p * 0.43, 0.43, w);
@@ -156,7 +157,7 @@ void main() {
         // The pattern is bent by a blurred noise: with a sharp one ripples close into rings like the grain of wood.
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
         vec2 q = p + vec2(v3 * 0.8 + (blurred.b - 0.5) * 2.2, (blurred.a - 0.5) * 2.2);
-        vec4 fork = vec4(blurred.rg, textureLod(noise_map, noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061, 3.5).rg) - 0.5;
+        vec4 fork = vec4(blurred.rg, textureLod(noise_map, at3, 3.5).rg) - 0.5;
         float a1 = flat_sand * (1.0 - smoothstep(0.09, 0.19, footprint)) * (1.0 - smoothstep(0.06, 0.15, slope));
         float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * (1.0 - smoothstep(0.09, 0.16, slope));
         float loose = smoothstep(-0.16, 0.14, v3 + 0.35 * v2 + 0.5 * v4); // in patches, as wind finds loose sand

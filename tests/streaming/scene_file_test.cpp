@@ -46,7 +46,8 @@ TEST(SceneFile, DunesBecomeRates) {
     EXPECT_EQ(scene->wind.epoch_steps, 1);
     EXPECT_EQ(scene->sand.lift_rate_m_per_s, 1.0f);
     EXPECT_EQ(scene->sand.reptation_repose_s2_per_m2, 0.05f);
-    // 0.5 of the file is more than one pass can: what meets a flat bed in a step, 1 m / 0.6, times it makes 0.8 of a cell.
+    // 0.5 of the file is more than one pass can: what meets a flat bed in a step, 1 m / 0.6, times it makes 0.8 of a
+    // cell.
     EXPECT_NEAR(scene->sand.reptation_smooth_wind_s_per_m * scene->wind.speed_m_per_s / 0.6f,
                 0.8f * static_cast<float>(scene->cell_m), 1e-5f);
     EXPECT_EQ(scene->sand.reptation_smooth, 0.0f);
