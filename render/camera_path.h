@@ -2,7 +2,7 @@
 
 #include "render/camera.h"
 #include "render/spline.h"
-#include "world/params_json.h"
+#include "world/json_fwd.h"
 #include "world/result.h"
 
 #include <filesystem>

@@ -1,5 +1,6 @@
 #include "render/camera_path.h"
 #include "world/file_io.h"
+#include "world/params_json.h"
 
 #include <fmt/format.h>
 

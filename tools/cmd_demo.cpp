@@ -9,6 +9,7 @@
 #include "world/file_io.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <memory>

@@ -6,6 +6,7 @@
 #include "world/cuda_runtime.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <gdal.h>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

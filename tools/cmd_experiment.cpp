@@ -1,8 +1,10 @@
 #include "tools/command.h"
 #include "tools/experiments/experiment.h"
 #include "world/file_io.h"
+#include "world/params_cli.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <memory>

@@ -3,6 +3,7 @@
 #include "world/params_cli.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <memory>
 #include <optional>

@@ -4,6 +4,7 @@
 #include "world/world.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <memory>
 

@@ -7,6 +7,7 @@
 #include "world/file_io.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -4,6 +4,7 @@
 #include "world/executor.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <atomic>
 #include <cmath>

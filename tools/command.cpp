@@ -1,6 +1,7 @@
 #include "tools/command.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <chrono>
 #include <cmath>

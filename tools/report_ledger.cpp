@@ -1,6 +1,7 @@
 #include "tools/report_ledger.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <numeric>
 

@@ -2,7 +2,7 @@
 
 #include "sim/ledger.h"
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 

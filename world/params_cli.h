@@ -1,33 +1,16 @@
 #pragma once
 
+#include "world/param_overrides.h"
 #include "world/params.h"
 
 #include <CLI/CLI.hpp>
 
 #include <charconv>
-#include <functional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 /// Parameter structs on the command line: `--terrain.canyon_m=80`, one option per row of the field table.
 namespace sahel {
-
-/// Values given on the command line, kept until it is known what they change: `--preset` names the start, these go on
-/// top.
-template <class Struct> class ParamOverrides {
-  public:
-    [[nodiscard]] bool empty() const { return changes_.empty(); }
-    void apply(Struct& values) const {
-        for (const auto& change : changes_) change(values);
-    }
-    template <class T> void add(T Struct::*member, T value) {
-        changes_.push_back([member, value = std::move(value)](Struct& values) { values.*member = value; });
-    }
-
-  private:
-    std::vector<std::function<void(Struct&)>> changes_;
-};
 
 namespace detail {
 

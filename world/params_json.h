@@ -1,5 +1,6 @@
 #pragma once
 
+#include "world/json_fwd.h"
 #include "world/params.h"
 
 #include <nlohmann/json.hpp>
@@ -11,8 +12,6 @@
 /// a value out of range is a usage error that names `where` (the file), the key and the range; a missing key keeps its
 /// default. Objects keep the order of the table, because people read them.
 namespace sahel {
-
-using Json = nlohmann::ordered_json;
 
 /// Parses a whole text. Errors: corrupt, with line and column; a key given twice in one object.
 Result<Json> parse_json(std::string_view text, std::string_view where);

@@ -1,6 +1,7 @@
 #include "tools/experiments/experiment.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <set>

@@ -1,5 +1,6 @@
 #include "render/camera_path.h"
 #include "tests/fuzz/fuzz_target.h"
+#include "world/params_json.h"
 
 #include <cmath>
 

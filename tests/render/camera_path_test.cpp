@@ -1,6 +1,7 @@
 #include "render/camera_flights.h"
 #include "render/camera_path.h"
 #include "world/file_io.h"
+#include "world/params_json.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

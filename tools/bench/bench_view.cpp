@@ -9,6 +9,7 @@
 #include "world/state_hash.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <array>
 #include <cstdlib>

@@ -3,10 +3,9 @@
 #include "render/png_io.h"
 #include "sim/sand_params.h"
 #include "sim/wind_params.h"
-#include "world/params_cli.h"
+#include "world/json_fwd.h"
+#include "world/param_overrides.h"
 #include "world/result.h"
-
-#include <nlohmann/json.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -111,7 +110,7 @@ Extent extent_of(const Experiment& experiment, bool quick, int32_t size_cells = 
 Result<Report> run_experiment(const Experiment& experiment, const Setup& setup);
 
 /// The report for programs: name, what it shows, sizes, numbers with bounds and verdicts, tables, the verdict.
-nlohmann::ordered_json report_json(const Experiment& experiment, const Setup& setup, const Report& report);
+Json report_json(const Experiment& experiment, const Setup& setup, const Report& report);
 /// The same for people.
 std::string report_text(const Experiment& experiment, const Setup& setup, const Report& report);
 /// All pictures on one sheet with captions and verdict. Errors: usage (no picture).

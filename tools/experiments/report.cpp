@@ -2,6 +2,7 @@
 #include "tools/experiments/experiment.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
