@@ -20,6 +20,8 @@ constexpr int32_t k_row = k_strip_blocks * k_slide_block_x + 17 * 16;
 static_assert(k_row >= k_width + k_lanes + 1 && k_strip_blocks * k_slide_block_x % 1024 == 0);
 constexpr int32_t k_no_cell = 1 << 29; // their height where repose is read: they stand at any slope
 constexpr int32_t k_ring = 4;          // rows; a power of two
+// Cells that are asked together whether anything moves in them: even in blocks with avalanches most do not.
+constexpr int32_t k_flow_cells = 16;
 
 using Row = int32_t[k_row];
 using RealRow = float[k_row];
@@ -52,10 +54,50 @@ bool plain(const SlideGround& g, int32_t slot, const LocalRect& r, int32_t rim) 
     return owned || (g.closed[slot] == 0 && g.walls[slot] == 0);
 }
 
+// Whether a halo in one of these directions is closed or a wall.
+bool special(const SlideGround& g, int32_t slot, int32_t dx0, int32_t dx1, int32_t dy0, int32_t dy1) {
+    const int32_t bits = g.closed[slot] | g.walls[slot];
+    for (int32_t dy = dy0; dy <= dy1; ++dy)
+        for (int32_t dx = dx0; dx <= dx1; ++dx) {
+            const int k = direction_of(dx, dy);
+            if (k >= 0 && (bits >> k & 1) != 0) return true;
+        }
+    return false;
+}
+
+// -1: before the owned cells, 0: among them, 1: behind.
+int32_t side_of(int32_t x, int32_t n) {
+    return x < 0 ? -1 : static_cast<int32_t>(x >= n);
+}
+
+// Cells [x0, x1) of row y: `ask(x)` for those that have, within `rim` cells, a halo that is closed or a wall;
+// `rest(x, x2)` for runs of others. Asking is slow.
+template <class Ask, class Rest>
+void split_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, int32_t rim, const Ask& ask,
+               const Rest& rest) {
+    const int32_t dy0 = side_of(y - rim, g.n);
+    const int32_t dy1 = side_of(y + rim, g.n);
+    const auto run = [&](int32_t from, int32_t to, int32_t dx0, int32_t dx1) {
+        if (from >= to) return;
+        if (!special(g, slot, dx0, dx1, dy0, dy1)) return rest(from, to);
+        for (int32_t x = from; x < to; ++x) ask(x);
+    };
+    const int32_t from = smaller(larger(x0, rim), x1);
+    const int32_t to = larger(smaller(x1, g.n - rim), from);
+    run(x0, from, -1, 0);
+    run(from, to, 0, 0);
+    run(to, x1, 0, 1);
+}
+template <class Ask>
+void split_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, int32_t rim, const Ask& ask) {
+    split_row(g, slot, y, x0, x1, rim, ask, [](int32_t, int32_t) {});
+}
+
 // Cells [x0, x1) of row y that are closed give nothing.
 void close_cells(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, int32_t* limit) {
-    for (int32_t i = 0; i < x1 - x0; ++i)
-        if (!g.gives(slot, x0 + i, y)) limit[i] = 0;
+    split_row(g, slot, y, x0, x1, 0, [&](int32_t x) {
+        if (!g.gives(slot, x, y)) limit[x - x0] = 0;
+    });
 }
 
 // Cells [x0, x1) of row y; what is closed gives nothing. `Even`: of sand that has one angle of repose, which is not
@@ -312,21 +354,27 @@ template <bool Even> void sweep_strip_of(const SlideSweep& f, const Strip& strip
         if ((steep[i2] | steep[i3]) == 0) {
             for (int32_t i = 0; i < w; ++i) out[i] = from[i];
         } else {
-            // Cells that are not simulated stay as they are: in blocks with such cells one by one.
-            const int32_t step = all_give ? w : 1;
             int32_t* const taken = f.taken.origin ? f.taken.row(slot, y) + rect.x0 : nullptr;
-            for (int32_t i = 0; i < w; i += step) {
+            const auto gather = [&](int32_t x, int32_t x2) {
+                const int32_t i = x - rect.x0;
                 const int32_t c = k_first + k_rim + i;
-                if (!all_give && !g.gives(slot, rect.x0 + i, y)) {
-                    out[i] = from[i];
-                } else if (taken) {
+                if (taken)
                     gather_row<true>(ring.e[i2] + c, ring.se[i2] + c, ring.s[i2] + c, ring.sw[i2] + c, ring.se[i3] + c,
-                                     ring.s[i3] + c, ring.sw[i3] + c, step, from + i, out + i, taken + i);
-                } else {
+                                     ring.s[i3] + c, ring.sw[i3] + c, x2 - x, from + i, out + i, taken + i);
+                else
                     gather_row<false>(ring.e[i2] + c, ring.se[i2] + c, ring.s[i2] + c, ring.sw[i2] + c, ring.se[i3] + c,
-                                      ring.s[i3] + c, ring.sw[i3] + c, step, from + i, out + i, nullptr);
-                }
-            }
+                                      ring.s[i3] + c, ring.sw[i3] + c, x2 - x, from + i, out + i, nullptr);
+            };
+            const auto ask = [&](int32_t x) { // what is not simulated stays as it is
+                if (g.gives(slot, x, y))
+                    gather(x, x + 1);
+                else
+                    out[x - rect.x0] = from[x - rect.x0];
+            };
+            if (all_give)
+                gather(rect.x0, rect.x1);
+            else
+                split_row(g, slot, y, rect.x0, rect.x1, 0, ask, gather);
         }
     }
     if (strip.slid)
@@ -359,13 +407,24 @@ bool probe_block(const SlideProbe& f, const SlideWork& work, Ring& ring) {
     return false;
 }
 
-// The flows of a row of cells, whose rim is one cell wide, to the east and to the row below.
-SAHEL_HD int32_t flow_rows(const SlideInertia& rule, const Cells& a, const Cells& b, int32_t* e, int32_t* se,
-                           int32_t* s, int32_t* sw, int32_t begin, int32_t end) {
+// Not 0 where a pair that lies still starts: it stands steeper than its angle of repose by the tolerance, and holds
+// something that may leave. Everywhere else slide_flow() keeps a flow of 0.
+SAHEL_HD int32_t starts(int32_t drop, int32_t start, const SlideSide& i, const SlideSide& k) {
+    const int32_t forth = smaller(drop - i.repose - start, i.cap);
+    const int32_t back = smaller(-drop - k.repose - start, k.cap);
+    return larger(larger(forth, back), 0);
+}
+
+// The flows of a row of cells, whose rim is one cell wide, to the east and to the row below: of `Count` cells, or of
+// those in [begin, end).
+template <int32_t Count>
+SAHEL_HD int32_t flow_cells(const SlideInertia& rule, const Cells& a, const Cells& b, int32_t* e, int32_t* se,
+                            int32_t* s, int32_t* sw, int32_t begin, int32_t end) {
     const SlideInertia r = rule;
+    const int32_t stop = Count > 0 ? begin + Count : end;
     int32_t any = 0;
     SAHEL_VECTORIZE
-    for (int32_t i = begin; i < end; ++i) {
+    for (int32_t i = begin; i < stop; ++i) {
         const int32_t c = i + k_first + 1;
         const int32_t h = a.height[c];
         const SlideSide beside{a.repose[c], a.limit[c]};
@@ -377,6 +436,35 @@ SAHEL_HD int32_t flow_rows(const SlideInertia& rule, const Cells& a, const Cells
         any |= set_pairs(e, se, s, sw, i, to_e, to_se, to_s, to_sw);
     }
     return any;
+}
+
+// Whether anything moves or starts in k_flow_cells cells from `begin` on.
+SAHEL_HD bool flows_there(const SlideInertia& rule, const Cells& a, const Cells& b, const int32_t* e, const int32_t* se,
+                          const int32_t* s, const int32_t* sw, int32_t begin) {
+    const int32_t start = rule.start_ticks;
+    int32_t any = 0;
+    SAHEL_VECTORIZE
+    for (int32_t i = begin; i < begin + k_flow_cells; ++i) {
+        const int32_t c = i + k_first + 1;
+        const int32_t h = a.height[c];
+        const SlideSide beside{a.repose[c], a.limit[c]};
+        const SlideSide across{a.across[c], a.limit[c]};
+        any |= (e[i] | se[i]) | (s[i] | sw[i]);
+        any |= starts(h - a.height[c + 1], start, beside, {a.repose[c + 1], a.limit[c + 1]});
+        any |= starts(h - b.height[c + 1], start, across, {b.across[c + 1], b.limit[c + 1]});
+        any |= starts(h - b.height[c], start, beside, {b.repose[c], b.limit[c]});
+        any |= starts(h - b.height[c - 1], start, across, {b.across[c - 1], b.limit[c - 1]});
+    }
+    return any != 0;
+}
+
+SAHEL_HD int32_t flow_rows(const SlideInertia& rule, const Cells& a, const Cells& b, int32_t* e, int32_t* se,
+                           int32_t* s, int32_t* sw, int32_t begin, int32_t end) {
+    int32_t any = 0;
+    for (; begin + k_flow_cells <= end; begin += k_flow_cells)
+        if (flows_there(rule, a, b, e, se, s, sw, begin))
+            any |= flow_cells<k_flow_cells>(rule, a, b, e, se, s, sw, begin, end);
+    return any | flow_cells<0>(rule, a, b, e, se, s, sw, begin, end);
 }
 
 void flow_strip(const SlideFlows& f, const Strip& strip, Ring& ring) {
@@ -399,25 +487,25 @@ void flow_strip(const SlideFlows& f, const Strip& strip, Ring& ring) {
         int32_t* const s = f.s.row(work.slot, y) + rect.x0;
         int32_t* const sw = f.sw.row(work.slot, y) + rect.x0;
         if (!all_give)
-            for (int32_t i = 0; i < w; ++i) {
-                const int32_t x = rect.x0 + i;
+            split_row(f.ground, work.slot, y, rect.x0, rect.x1, 1, [&](int32_t x) {
+                const int32_t i = x - rect.x0;
                 e[i] = f.ground.remembered(work.slot, x, y, x + 1, y, e[i]);
                 se[i] = f.ground.remembered(work.slot, x, y, x + 1, y + 1, se[i]);
                 s[i] = f.ground.remembered(work.slot, x, y, x, y + 1, s[i]);
                 sw[i] = f.ground.remembered(work.slot, x, y, x - 1, y + 1, sw[i]);
-            }
+            });
         for (int32_t b = 0; b < strip.count; ++b) {
             const LocalRect& own = strip.work[b].rect;
             any[b] |= flow_rows(f.rule, up, now, e, se, s, sw, own.x0 - rect.x0, own.x1 - rect.x0);
         }
         if (!all_give)
-            for (int32_t i = 0; i < w; ++i) {
-                const int32_t x = rect.x0 + i;
+            split_row(f.ground, work.slot, y, rect.x0, rect.x1, 1, [&](int32_t x) {
+                const int32_t i = x - rect.x0;
                 if (f.ground.sealed(work.slot, x, y, x + 1, y)) e[i] = 0;
                 if (f.ground.sealed(work.slot, x, y, x + 1, y + 1)) se[i] = 0;
                 if (f.ground.sealed(work.slot, x, y, x, y + 1)) s[i] = 0;
                 if (f.ground.sealed(work.slot, x, y, x - 1, y + 1)) sw[i] = 0;
-            }
+            });
     }
     if (strip.slid)
         for (int32_t b = 0; b < strip.count; ++b) strip.slid[b] = any[b] != 0;
@@ -426,7 +514,6 @@ void flow_strip(const SlideFlows& f, const Strip& strip, Ring& ring) {
 void apply_strip(const SlideApply& f, const Strip& strip, Ring&) {
     const SlideWork& work = strip.work[0];
     const LocalRect rect = strip.rect();
-    const int32_t w = rect.x1 - rect.x0;
     const bool all_live = plain(f.ground, work.slot, rect, 0);
     for (int32_t y = rect.y0; y < rect.y1; ++y) {
         int32_t* const sand = f.sand.row(work.slot, y) + rect.x0;
@@ -437,14 +524,18 @@ void apply_strip(const SlideApply& f, const Strip& strip, Ring&) {
         const int32_t* const up_se = f.se.row(work.slot, y - 1) + rect.x0;
         const int32_t* const up_s = f.s.row(work.slot, y - 1) + rect.x0;
         const int32_t* const up_sw = f.sw.row(work.slot, y - 1) + rect.x0;
-        if (all_live) {
-            gather_row<false>(e, se, s, sw, up_se, up_s, up_sw, w, sand, sand, nullptr);
-            continue;
-        }
-        for (int32_t i = 0; i < w; ++i)
-            if (f.ground.moves(work.slot, rect.x0 + i, y))
-                gather_row<false>(e + i, se + i, s + i, sw + i, up_se + i, up_s + i, up_sw + i, 1, sand + i, sand + i,
-                                  nullptr);
+        const auto gather = [&](int32_t x, int32_t x2) {
+            const int32_t i = x - rect.x0;
+            gather_row<false>(e + i, se + i, s + i, sw + i, up_se + i, up_s + i, up_sw + i, x2 - x, sand + i, sand + i,
+                              nullptr);
+        };
+        const auto ask = [&](int32_t x) {
+            if (f.ground.moves(work.slot, x, y)) gather(x, x + 1);
+        };
+        if (all_live)
+            gather(rect.x0, rect.x1);
+        else
+            split_row(f.ground, work.slot, y, rect.x0, rect.x1, 0, ask, gather);
     }
     if (strip.slid)
         for (int32_t b = 0; b < strip.count; ++b) strip.slid[b] = 0;

@@ -41,7 +41,7 @@ struct SandParams {
     bool reptation_shadowed = false;
     // avalanches
     int avalanche_sweeps = 0;
-    int avalanche_max_sweeps = 10000;
+    int avalanche_max_sweeps = 200;
     float avalanche_tolerance = 0.004f;
     float avalanche_strength = 1.0f;
     int avalanche_soft_every = 10;
@@ -93,7 +93,7 @@ template <> inline constexpr auto fields_of<SandParams> = std::tuple{
     Field{&SandParams::reptation_repose_s2_per_m2,    "reptation_repose",      "s2/m2", 0.0f,   100.0f,  "Moving sand lowers the angle of repose"},
     Field{&SandParams::reptation_shadowed,            "reptation_shadowed",    "",     false,   true,    "but not in shelter"},
     Field{&SandParams::avalanche_sweeps,              "avalanche_sweeps",      "",     0,       10000,   "Sweeps each step as published; 0: until quiet"},
-    Field{&SandParams::avalanche_max_sweeps,          "avalanche_max_sweeps",  "",     1,       1000000, "Upper bound of sweeps until quiet"},
+    Field{&SandParams::avalanche_max_sweeps,          "avalanche_max_sweeps",  "",     1,       1000000, "Upper bound of sweeps until quiet; what slides then goes on in the next step"},
     Field{&SandParams::avalanche_tolerance,           "avalanche_tolerance",   "m/m",  0.0f,    0.2f,    "Quiet ground slides when it is steeper than repose by this much"},
     Field{&SandParams::avalanche_strength,            "avalanche_strength",    "",     0.01f,   1.0f,    "Strength of soft sweeps"},
     Field{&SandParams::avalanche_soft_every,          "avalanche_soft_every",  "",     1,       10000,   "Every so many sweeps one is soft"},

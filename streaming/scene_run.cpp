@@ -15,6 +15,7 @@ namespace sahel {
 namespace {
 
 constexpr float k_covered_m = 0.1f; // of the reports, whatever the scene's supply counts
+constexpr int k_sweeps_until_quiet = 10000;
 
 Status fill(TileDomain& domain, const SceneGround& g) {
     const auto at = [&](int64_t x, int64_t y) {
@@ -68,7 +69,10 @@ Result<SceneRun> SceneRun::create(const Scene& scene, const SceneRunOptions& opt
     desc.wind = scene.wind;
     desc.wind.epoch_steps = options.wind_every;
     desc.sand = scene.sand;
-    if (options.until_quiet) desc.sand.avalanche_sweeps = 0;
+    if (options.until_quiet) {
+        desc.sand.avalanche_sweeps = 0;
+        desc.sand.avalanche_max_sweeps = k_sweeps_until_quiet;
+    }
     if (ground.scale != 1.0 && scene.sand.supply && !scene.sand.supply_uniform) {
         // The disc keeps its share of the grid: one event adds the same mean thickness.
         desc.sand.supply_radius_cells =
