@@ -193,7 +193,8 @@ class Survey {
         case ViewKind::count_:
             break;
         }
-        const float water = to_water < 4.0f || to_water > 60.0f ? 0.0f : 0.6f;
+        // A lake below is worth more than the highest range: it is what a landscape is looked at from above for.
+        const float water = to_water < 2.0f || to_water > 40.0f ? 0.0f : 1.0f + 0.5f * std::min(wet, 16.0f) / 16.0f;
         return 0.05f + water + range + 0.3f * std::min(steep, 1.0f);
     }
 

@@ -31,6 +31,18 @@ GLuint make_texture_2d(GLenum format, int width, int height, GLenum filter) {
     return t;
 }
 
+bool may_hold_water(const std::array<uint16_t, k_water_blocks>& blocks, const NodeInstance& node) {
+    constexpr float k_block = static_cast<float>(k_view_cells) / k_water_blocks;
+    const auto block = [](float cell) { return static_cast<int>(cell / k_block); };
+    const float side = node.place[2] * k_node_quads;
+    const int x0 = block(node.place[0]), x1 = block(node.place[0] + side - 1.0f);
+    const int y0 = block(node.place[1]), y1 = block(node.place[1] + side - 1.0f);
+    const uint32_t columns = ((2u << x1) - 1u) & ~((1u << x0) - 1u);
+    for (int y = y0; y <= y1; ++y)
+        if ((blocks[static_cast<size_t>(y)] & columns) != 0) return true;
+    return false;
+}
+
 GLuint make_tile_array(GLenum format, int side, int layers) {
     GLuint t = 0;
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &t);
@@ -83,7 +95,7 @@ struct Renderer::Impl {
     GLuint scene_fbo = 0, copy_fbo = 0, sum_fbo = 0, picture_fbo = 0;
     std::array<GLuint, k_bloom_levels> bloom{}, bloom_fbo{};
 
-    std::vector<uint8_t> slot_has_water;
+    std::vector<std::array<uint16_t, k_water_blocks>> slot_water; ///< ViewTile::water_blocks
     std::vector<NodeInstance> nodes; ///< ground, then water; of each the orders one after the other
     std::array<size_t, k_grid_orders> ground_counts{}, water_counts{};
     size_t ground_count = 0, water_count = 0;
@@ -114,7 +126,7 @@ void Renderer::Impl::make_tiles() {
                          GL_DYNAMIC_STORAGE_BIT);
     glCreateBuffers(1, &uniforms);
     glNamedBufferStorage(uniforms, sizeof(FrameUniforms), nullptr, GL_DYNAMIC_STORAGE_BIT);
-    slot_has_water.assign(static_cast<size_t>(desc.slots), 0);
+    slot_water.assign(static_cast<size_t>(desc.slots), {});
     slot_wind.assign(static_cast<size_t>(desc.slots), SlotWind::unset);
 
     glCreateTextures(GL_TEXTURE_2D, 1, &noise);
@@ -223,7 +235,8 @@ void Renderer::Impl::upload_sky() {
 /// Nodes of the ground and of the water, from near to far in each of the four quarters around the eye: what is hidden
 /// comes late and is not shaded.
 void Renderer::Impl::choose_nodes(const FrameDesc& frame, std::span<const VisibleTile> tiles) {
-    NodeSettings settings{desc.cell_m, desc.lod_factor, frame.view.eye_m[2] - frame.view.ground_m, false};
+    const Frustum frustum(frame.view);
+    NodeSettings settings{desc.cell_m, desc.lod_factor, frame.view.eye_m[2] - frame.view.ground_m, false, &frustum};
     // Levels meet exactly where each tile is as the eye asks for it; elsewhere skirts close what is left.
     for (const VisibleTile& t : tiles) settings.skirts |= t.fallback_mask != 0 || t.fade < 1.0f;
     nodes.clear();
@@ -245,7 +258,7 @@ void Renderer::Impl::choose_nodes(const FrameDesc& frame, std::span<const Visibl
     water_counts.fill(0);
     for (size_t i = 0; i < ground_count; ++i) { // the same nodes on the water lattices
         ++ground_counts[order(nodes[i])];
-        if (!slot_has_water[static_cast<size_t>(nodes[i].node[3])]) continue;
+        if (!may_hold_water(slot_water[static_cast<size_t>(nodes[i].node[3])], nodes[i])) continue;
         NodeInstance n = nodes[i];
         n.own[0] += k_lattice_values;
         if (n.coarse[0] >= 0) n.coarse[0] += k_lattice_values;
@@ -441,7 +454,7 @@ void Renderer::upload(uint32_t slot, const ViewTile& tile) {
         put_lattice(tile.ground_m[k], 0);
         put_lattice(tile.water_m[k], k_lattice_values);
     }
-    r.slot_has_water[slot] = tile.has_water ? 1 : 0;
+    r.slot_water[slot] = tile.water_blocks;
 }
 
 void Renderer::set_atmosphere(const Atmosphere& atmosphere) {

@@ -34,6 +34,19 @@ struct Builder {
         return 1.0f - (ease(tile) - std::floor(ease(tile)));
     }
 
+    /// Whether any of a square that starts at a cell of the tile may be seen.
+    [[nodiscard]] bool seen(const VisibleTile& tile, int cell_x, int cell_y, double side_m) const {
+        if (!settings.frustum) return true;
+        const double cell_m = std::ldexp(settings.cell_m, tile.key.level);
+        const auto at = [&](int64_t key, int cell) {
+            return (static_cast<double>(key * k_view_cells) + cell) * cell_m;
+        };
+        const double slack = 0.05 * side_m; // the parent's shape while this one morphs, and skirts
+        return settings.frustum->may_see({at(tile.key.x, cell_x), at(tile.key.y, cell_y), side_m,
+                                          static_cast<double>(tile.min_height_m) - slack,
+                                          static_cast<double>(tile.max_height_m) + slack});
+    }
+
     void add(const VisibleTile& tile, int lattice, int corner_x, int corner_y) {
         const int level = tile.key.level;
         const int64_t tile_x = tile.key.x * k_view_cells << level, tile_y = tile.key.y * k_view_cells << level;
@@ -41,6 +54,7 @@ struct Builder {
         const int64_t step = static_cast<int64_t>(spacing) << level;
         const double side_m = static_cast<double>(step) * k_node_quads * settings.cell_m;
         const auto f = static_cast<double>(settings.lod_factor);
+        if (!seen(tile, corner_x * spacing, corner_y * spacing, side_m)) return;
         NodeInstance n{};
         n.node = {static_cast<int32_t>(tile_x + corner_x * step - eye_x),
                   static_cast<int32_t>(tile_y + corner_y * step - eye_y), static_cast<int32_t>(step),

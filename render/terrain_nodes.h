@@ -2,6 +2,7 @@
 
 #include "render/view_tile.h"
 #include "streaming/streamer.h"
+#include "streaming/view_geometry.h"
 
 #include <array>
 #include <cstdint>
@@ -42,6 +43,7 @@ struct NodeSettings {
     float lod_factor = 2.1f;
     double eye_above_ground_m = 0.0;
     bool skirts = false;
+    const Frustum* frustum = nullptr; ///< nodes that it does not see are left out; null: all are wanted
 };
 
 /// Appends the nodes of the tiles. `eye_cell` is the level 0 cell of the eye. Returns the number of nodes.

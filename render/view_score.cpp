@@ -65,7 +65,7 @@ double eye_height_m(ViewKind kind) {
     return 130.0;
 }
 
-double pitch_for(const Panorama& panorama, double yaw_deg, double vertical_fov_deg) {
+double pitch_for(ViewKind kind, const Panorama& panorama, double yaw_deg, double vertical_fov_deg) {
     const double half = half_width_deg(vertical_fov_deg);
     std::vector<float> skyline;
     for (int c = column_of(yaw_deg - half); c <= column_of(yaw_deg + half); ++c) {
@@ -74,9 +74,11 @@ double pitch_for(const Panorama& panorama, double yaw_deg, double vertical_fov_d
     }
     const auto middle = skyline.begin() + static_cast<ptrdiff_t>(skyline.size() / 2);
     std::nth_element(skyline.begin(), middle, skyline.end());
-    // A sixth of the height above the middle is the line between the upper third and the rest.
-    const double third = std::atan(std::tan(vertical_fov_deg * k_rad / 2.0) / 3.0) / k_rad;
-    return std::clamp(static_cast<double>(*middle) - third, -14.0, 6.0);
+    // A sixth of the height above the middle is the line between the upper third and the rest; from high up the land is
+    // what there is to see, and the line lies at a quarter.
+    const double above = kind == ViewKind::high ? 1.0 / 2.0 : 1.0 / 3.0;
+    const double drop = std::atan(std::tan(vertical_fov_deg * k_rad / 2.0) * above) / k_rad;
+    return std::clamp(static_cast<double>(*middle) - drop, -16.0, 6.0);
 }
 
 ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, double sun_azimuth_deg,
@@ -201,7 +203,7 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
     add(0.8, plateau(m.lit, 0.25, 0.50, 0.90, 1.02));
     add(0.6, rising(m.light_contrast, 0.02, 0.14));
     if (!high) add(0.6, rising(m.foreground_contrast, 0.005, 0.08));
-    add(0.8, plateau(m.sky, 0.05, 0.22, 0.42, 0.60));
+    add(0.8, high ? plateau(m.sky, 0.05, 0.14, 0.30, 0.45) : plateau(m.sky, 0.05, 0.22, 0.42, 0.60));
 
     double gate = 1.0 - 0.85 * rising(m.blocked, 0.1, 0.5);
     const double land = std::max(1e-6, 1.0 - m.sky - m.water);
@@ -249,7 +251,7 @@ FoundView best_heading(ViewKind kind, const Panorama& panorama, const Vec3d& eye
     best.score = -1.0;
     for (int i = 0; i < 72; ++i) {
         CameraPose pose{.eye_m = eye_m, .yaw_deg = wrap_degrees(5.0 * i), .vertical_fov_deg = options.vertical_fov_deg};
-        pose.pitch_deg = pitch_for(panorama, pose.yaw_deg, pose.vertical_fov_deg);
+        pose.pitch_deg = pitch_for(kind, panorama, pose.yaw_deg, pose.vertical_fov_deg);
         std::array<double, 2> suns{wrap_degrees(pose.yaw_deg + 66.0), wrap_degrees(pose.yaw_deg - 66.0)};
         if (options.sun_azimuth_deg) suns = {*options.sun_azimuth_deg, *options.sun_azimuth_deg};
         for (const double sun : suns) {

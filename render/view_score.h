@@ -9,8 +9,8 @@ namespace sahel {
 /// Height of the eye over the ground for a kind of picture, m.
 double eye_height_m(ViewKind kind);
 
-/// Pitch that puts the skyline around a heading on the upper third of the picture.
-double pitch_for(const Panorama& panorama, double yaw_deg, double vertical_fov_deg);
+/// Pitch that puts the skyline around a heading on the upper third of the picture, from high up on the upper quarter.
+double pitch_for(ViewKind kind, const Panorama& panorama, double yaw_deg, double vertical_fov_deg);
 
 ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, double sun_azimuth_deg,
                           double sun_elevation_deg);

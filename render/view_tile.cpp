@@ -257,6 +257,21 @@ uint64_t view_tile_max_bytes() {
     return sizeof(ViewTile) + texels + lattice;
 }
 
+// Blocks with water and those around them: a coarse mip level spreads it by 16 texels.
+static void fill_water_blocks(ViewTile& tile) {
+    constexpr int k_block = k_view_cells / k_water_blocks;
+    const auto least = static_cast<int16_t>(k_least_water_m * 256.0f - 1.0f);
+    for (int j = 0; j < k_view_texels; ++j)
+        for (int i = 0; i < k_view_texels; ++i) {
+            if (tile.water[0][static_cast<size_t>(j) * k_view_texels + static_cast<size_t>(i)].x < least) continue;
+            const int x = std::clamp((i - k_view_border) / k_block, 0, k_water_blocks - 1);
+            const int y = std::clamp((j - k_view_border) / k_block, 0, k_water_blocks - 1);
+            const auto wide = static_cast<uint16_t>(0b111u << x >> 1);
+            for (int b = std::max(y - 1, 0); b <= std::min(y + 1, k_water_blocks - 1); ++b)
+                tile.water_blocks[static_cast<size_t>(b)] |= wide;
+        }
+}
+
 Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, TileKey key, const SunDirection& sun,
                                                   const std::shared_ptr<const TileContext>& parent) {
     const LayerSet wanted = k_surface_layers.united(
@@ -296,7 +311,6 @@ Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, T
                 tile->water_m[n][at] = w;
                 low = std::min(low, std::min(g, w));
                 high = std::max(high, std::max(g, w));
-                tile->has_water |= w > g;
             }
     }
     tile->min_m = low;
@@ -375,6 +389,7 @@ Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, T
         }
     fill_mips(tile->normal);
     fill_mips(tile->material, k_view_texels);
+    fill_water_blocks(*tile);
     fill_mips(tile->water);
     fill_wind(block, *tile);
     tile->height_context = std::move(context);

@@ -24,7 +24,9 @@ inline constexpr int k_view_cells = 512;
 inline constexpr int k_view_border = 8;
 inline constexpr int k_view_texels = k_view_cells + 2 * k_view_border; // 528 = 16 x 33: four exact halvings
 inline constexpr int k_view_mips = 4;
-inline constexpr int k_lattice_count = 3; ///< spacing 2, 4, 8 cells
+inline constexpr int k_water_blocks = 16;        // along a side
+inline constexpr float k_least_water_m = -0.05f; // water is drawn where it is above the ground by more; see water.frag
+inline constexpr int k_lattice_count = 3;        ///< spacing 2, 4, 8 cells
 inline constexpr std::array<int, k_lattice_count> k_lattice_spacing = {2, 4, 8};
 inline constexpr std::array<int, k_lattice_count> k_lattice_side = {257, 129, 65};
 
@@ -75,7 +77,8 @@ class ViewTile final : public TilePayload {
     MipChain<Snorm16x2> water; ///< x: water surface minus ground, 1/256 m (clamped); y: rock exposure 0..32767
     MipChain<Rgba8> wind;      ///< half size; empty: nothing was simulated here. Wind east and south (encode_wind),
                                ///< shelter, sand in the air (255 = 0.5 m)
-    bool has_water = false;    ///< any lattice or texel with water above the ground
+    std::array<uint16_t, k_water_blocks> water_blocks{}; ///< bit x of row y: there may be water to draw in the 32 x 32
+                                                         ///< cells of block (x, y)
 
     float min_m = 0.0f, max_m = 0.0f; ///< over ground and water lattices
     std::shared_ptr<const ViewTileContext> height_context;

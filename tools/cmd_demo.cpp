@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 struct Options {
     std::string out = "out/demo", preset = "oasis", dem;
     uint64_t seed = 1;
-    double seconds = 10.0, budget_s = 200.0;
+    double seconds = 10.0, budget_s = 230.0;
     int64_t steps = 120;
     int fps = 24, samples = 4, still_samples = 8, width = 1280, height = 720;
 };

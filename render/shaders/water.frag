@@ -71,7 +71,7 @@ void main() {
     float cut = min(1.0, 280.0 / max(pixels, 1.0));
     s1 = mix(s0, s1, cut);
     pixels *= cut;
-    int steps = int(clamp(pixels / 3.0, 8.0, 64.0));
+    int steps = int(clamp(pixels / 5.0, 8.0, 40.0));
     float jitter = fract(gradient_noise_1(gl_FragCoord.xy) + lod.w * 0.618034); // averaged over the samples of a picture
     // What is found is refined after the loop: a software driver runs both sides of every branch inside it.
     float before = 0.0, at = 2.0;
