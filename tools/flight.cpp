@@ -140,7 +140,9 @@ Result<RecordReport> record(ViewSession& session, const World& world, const Came
             // What was seen last decides how many samples the rest can afford.
             const double per_sample = (frame_begin - since) / (frames_since - 1) / report.samples;
             const double left = options.max_s - (frame_begin - begin);
-            report.samples = std::clamp(static_cast<int>(left / (per_sample * (frames - i))), 1, report.samples);
+            // Nearly enough is enough: a twentieth more time is better than half the samples.
+            const double affordable = left / (per_sample * (frames - i)) + 0.1;
+            report.samples = std::clamp(static_cast<int>(affordable), 1, report.samples);
             since = frame_begin;
             frames_since = 1;
         }

@@ -103,7 +103,7 @@ SAHEL_HD void lake_shape(const LakeSite& site, float dx, float dy, float coarse,
 }
 /// Share of a lake in what happens at `lake` radii: nothing carves its bowl.
 SAHEL_HD float lake_mask(float lake) {
-    return 1.0f - sstep(1.3f, 2.0f, lake);
+    return 1.0f - sstep(1.7f, 2.2f, lake);
 }
 
 // --- gullies: stripes down the slope that all coarser octaves left behind, sharp ridges between them; then the slope

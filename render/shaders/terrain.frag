@@ -156,12 +156,14 @@ void main() {
     if (flat_sand > 0.01) {
         // The pattern is bent by a blurred noise: with a sharp one ripples close into rings like the grain of wood.
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
-        vec2 q = p + vec2(v3 * 0.8 + (blurred.b - 0.5) * 2.2, (blurred.a - 0.5) * 2.2);
+        vec2 q = p + vec2(v3 * 0.6 + (blurred.b - 0.5) * 1.3, (blurred.a - 0.5) * 1.3);
         vec4 fork = vec4(blurred.rg, textureLod(noise_map, at3, 3.5).rg) - 0.5;
         float a1 = flat_sand * (1.0 - smoothstep(0.09, 0.19, footprint)) * (1.0 - smoothstep(0.06, 0.15, slope));
         float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * (1.0 - smoothstep(0.09, 0.16, slope));
-        float loose = smoothstep(-0.16, 0.14, v3 + 0.35 * v2 + 0.5 * v4); // in patches, as wind finds loose sand
-        float steep = (0.4 + 0.6 * loose) * (0.05 + 0.26 * n2.a);
+        // In patches, as wind finds loose sand; where it is firm they are faint.
+        float loose = smoothstep(-0.10, 0.16, v3 + 0.5 * v2 + 0.7 * v4);
+        float steep = (0.25 + 0.75 * loose) * (0.05 + 0.28 * n2.a);
+        a2 *= 0.45 + 0.55 * loose;
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
         vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
         if (dot(blown, blown) < 0.09) {
