@@ -148,7 +148,7 @@ void main() {
     n.xz -= g_mid * (bare * 0.75 + 0.10 + 0.25 * (1.0 - sand) * (1.0 - bare)) * (1.0 - 0.6 * snow) +
             g_fine * (0.55 * bare + 0.35 * (1.0 - sand) + 0.10);
     n.y -= wall * bare * (0.9 * (n2.g - 0.5) + 0.5 * g_fine.y);
-    n.xz -= grain(p, w) * (1.0 - snow) * mix(0.55, 0.16, sand);
+    n.xz -= grain(p, w) * (1.0 - snow) * mix(0.55, 0.26, sand);
 
     // Wind ripples, two wavelengths, each gone before a pixel would skip it.
     float footprint = d * screen.w / sqrt(max(0.04, dot(view, ground_n)));

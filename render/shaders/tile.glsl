@@ -29,7 +29,7 @@ Footprint ground_footprint(vec2 p, vec2 cell, float least_m) {
     bool x_long = x2 > y2;
     float longer = max(sqrt(max(x2, y2)), least_m);
     float samples = float(min(mode.z, 8));
-    float width = max(max(sqrt(min(x2, y2)), least_m) * min(1.0, 1.2 * inversesqrt(samples)), longer / max(1.0, 0.8 * samples));
+    float width = max(max(sqrt(min(x2, y2)), least_m) * min(1.0, 1.2 * inversesqrt(samples)), longer / max(1.0, 1.8 * samples));
     Footprint f;
     // Evenly spread over the samples of a picture, from another start in every pixel.
     f.chance = fract(vec2(gradient_noise_1(gl_FragCoord.xy), gradient_noise_1(gl_FragCoord.yx + vec2(17.0, 31.0))) +
