@@ -113,7 +113,10 @@ Result<LedgerCheck> SceneRun::ledger_check() {
 Status SceneRun::step() {
     SAHEL_TRY(aeolian_.step(domain_, steps_));
     ++steps_;
-    sweeps_ += aeolian_.stats().sand.sweeps;
+    const AvalancheStats& slides = aeolian_.stats().sand;
+    sweeps_ += slides.sweeps;
+    cells_swept_ += slides.cells_swept;
+    cells_all_ += slides.cells_all;
     return {};
 }
 
@@ -135,6 +138,7 @@ Result<SceneReport> SceneRun::report() const {
     r.steps = steps_;
     r.max_wind_m_per_s = static_cast<double>(aeolian_.stats().max_wind_m_per_s);
     if (steps_ > 0) r.sweeps_per_step = static_cast<double>(sweeps_) / static_cast<double>(steps_);
+    if (cells_all_ > 0) r.swept_share = static_cast<double>(cells_swept_) / static_cast<double>(cells_all_);
     SAHEL_ASSIGN(r.solids_ticks, solids());
     for (const SupplyAccount& a : aeolian_.supplied()) r.supplied_ticks += a.added_ticks - a.removed_ticks;
     r.drift_ticks = r.solids_ticks - start_ticks_ - r.supplied_ticks;

@@ -37,6 +37,7 @@ struct SceneReport {
     double excess_p99 = 0.0;
     double max_wind_m_per_s = 0.0;
     double sweeps_per_step = 0.0; ///< of the avalanches of sand
+    double swept_share = 0.0;     ///< cells that these worked out, of those that every sweep over all would have
     int64_t solids_ticks = 0;     ///< bedrock, soil, sand and airborne sand of all cells
     int64_t supplied_ticks = 0;   ///< added by supply control since the start, less what it removed
     int64_t drift_ticks = 0;      ///< solids less the start less supply: 0
@@ -75,7 +76,7 @@ class SceneRun {
     std::optional<Ledger> ledger_;
     double cell_m_ = 1.0;
     int64_t steps_ = 0;
-    int64_t sweeps_ = 0;
+    int64_t sweeps_ = 0, cells_swept_ = 0, cells_all_ = 0;
     int64_t start_ticks_ = 0;
 };
 

@@ -86,6 +86,7 @@ void add_report(nlohmann::ordered_json& j, const SceneReport& r, double seconds)
     j["steps"] = r.steps;
     j["ms_per_step"] = r.steps > 0 ? rounded(seconds * 1000.0 / static_cast<double>(r.steps)) : 0.0;
     j["sweeps_per_step"] = r.sweeps_per_step;
+    j["swept_share"] = rounded(r.swept_share);
     j["max_wind_m_per_s"] = rounded(r.max_wind_m_per_s);
     j["coverage_above_0.1_m"] = rounded(r.coverage);
     j["sand_mean_m"] = rounded(r.sand_mean_m);

@@ -66,6 +66,7 @@ struct Profile {
     std::string error;
     std::string hash;
     double step_ms = 1e30;
+    double swept = 1.0; ///< share of the cells that the avalanches of the last step worked out
     std::map<std::string, std::pair<double, double>> passes; ///< fastest ms of one launch; launches in a step
 };
 
@@ -92,6 +93,8 @@ Profile profile(const Scene& scene, int32_t n, MemoryPool& pool) {
         if (!ran.ok()) return failed(ran.error());
         if (step < k_warm_steps) continue;
         p.step_ms = std::min(p.step_ms, took.count());
+        const AvalancheStats& slides = aeolian->stats().sand;
+        p.swept = static_cast<double>(slides.cells_swept) / static_cast<double>(std::max<int64_t>(slides.cells_all, 1));
         for (const LaunchRecord& r : launch_records()) {
             auto& [ms, launches] = p.passes.try_emplace(r.name, 1e30, 0.0).first->second;
             ms = std::min(ms, r.ms / static_cast<double>(r.launches));
@@ -169,6 +172,7 @@ void add_sand_benchmarks(const BenchOptions& o) {
             add(group + "/step", [=](benchmark::State& s) {
                 const Profile& p = shared(kept, scene, n);
                 report(s, p, p.step_ms, cells, 0.0, 0.0, p.hash);
+                s.counters["swept"] = p.swept;
             });
             if (!cuda::available()) continue;
             add(fmt::format("sand_cuda/{}/{}/step", scene.name, n), [=](benchmark::State& s) {
