@@ -30,6 +30,10 @@ struct AvalancheStats {
     bool quiet = false;      ///< the last sweep moved nothing
     int64_t cells_swept = 0; ///< cells worked out, with halos
     int64_t cells_all = 0;   ///< sweeps x owned cells
+
+    [[nodiscard]] double swept() const {
+        return cells_all > 0 ? static_cast<double>(cells_swept) / static_cast<double>(cells_all) : 0.0;
+    }
 };
 
 struct AvalancheOptions {

@@ -5,13 +5,13 @@ namespace sahel::SAHEL_ISA_NAMESPACE {
 namespace {
 
 // What the cells of a row of even sand may give: only asked for where something stands too steep.
-void load_limits(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, bool all_give, Cells& to) {
+void load_limits(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, Cells& to) {
     const int32_t* const loose = g.sand.row(slot, y) + x0;
     int32_t* const limit = to.limit + k_first;
     const int32_t count = x1 - x0;
     for (int32_t i = 0; i < count; ++i) limit[i] = loose[i];
     for (int32_t i = count; i < used(count) - k_first; ++i) limit[i] = 0;
-    if (!all_give) close_cells(g, slot, y, x0, x1, limit);
+    close_cells(g, slot, y, x0, x1, limit);
 }
 
 // Excess of a pair: above 0 the first gives, below the second. Both slide_excess() in one.
@@ -92,7 +92,6 @@ template <bool Even> void sweep_strip_of(const SlideSweep& f, const Strip& strip
     const LocalRect rect = strip.rect();
     const int32_t slot = strip.work[0].slot;
     const int32_t w = rect.x1 - rect.x0; // cell x of the block is word x - x0 + k_first + k_rim
-    const bool all_give = plain(g, slot, rect, k_rim);
     const SlabView<const int32_t> plane = g.sliding();
     const int32_t words = used(w + 2 * k_rim);
     for (int32_t i = 0; i < k_ring; ++i) { // words that pair_rows leaves and share_row looks at
@@ -112,14 +111,14 @@ template <bool Even> void sweep_strip_of(const SlideSweep& f, const Strip& strip
         const int32_t i2 = (r - 2) & (k_ring - 1);
         const int32_t i3 = (r - 3) & (k_ring - 1);
         Cells& now = ring.cells[i0];
-        load_row<Even>(g, slot, r, rect.x0 - k_rim, rect.x1 + k_rim, all_give, now);
+        load_row<Even>(g, slot, r, rect.x0 - k_rim, rect.x1 + k_rim, now);
         if (r == rect.y0 - k_rim) continue;
         Cells& up = ring.cells[i1];
         steep[i1] = pair_rows<Even>(up, now, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], w + 2 * k_rim, repose);
         if (r == rect.y0 - 1) continue;
         // Shares of row r - 1, from the pairs of rows r - 2 and r - 1.
         if ((steep[i1] | steep[i2]) != 0) {
-            if constexpr (Even) load_limits(g, slot, r - 1, rect.x0 - k_rim, rect.x1 + k_rim, all_give, up);
+            if constexpr (Even) load_limits(g, slot, r - 1, rect.x0 - k_rim, rect.x1 + k_rim, up);
             share_row(f.rule, up.limit, ring.e[i1], ring.se[i1], ring.s[i1], ring.sw[i1], ring.se[i2], ring.s[i2],
                       ring.sw[i2], ring.share[i1], w + 2 * k_rim);
         } else {
@@ -160,10 +159,7 @@ template <bool Even> void sweep_strip_of(const SlideSweep& f, const Strip& strip
                 else
                     out[x - rect.x0] = from[x - rect.x0];
             };
-            if (all_give)
-                gather(rect.x0, rect.x1);
-            else
-                split_row(g, slot, y, rect.x0, rect.x1, 0, ask, gather);
+            split_row(g, slot, y, rect.x0, rect.x1, 0, ask, gather);
         }
     }
     if (strip.slid)
@@ -180,10 +176,9 @@ void sweep_strip(const SlideSweep& f, const Strip& strip, Ring& ring) {
 bool probe_block(const SlideProbe& f, const SlideWork& work, Ring& ring) {
     const LocalRect rect = work.rect;
     const int32_t w = rect.x1 - rect.x0;
-    const bool all_give = plain(f.ground, work.slot, rect, 1);
     for (int32_t r = rect.y0; r <= rect.y1; ++r) {
         Cells& now = ring.cells[r & 1];
-        load_row<false>(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, all_give, now);
+        load_row<false>(f.ground, work.slot, r, rect.x0 - 1, rect.x1 + 1, now);
         for (int32_t i = k_first; i < k_first + w + 2; ++i) { // what gives nothing never stands too steep
             now.repose[i] = now.limit[i] > 0 ? now.repose[i] + f.start_ticks : k_no_cell;
             now.across[i] = now.limit[i] > 0 ? now.across[i] + f.start_ticks : k_no_cell;
@@ -211,4 +206,5 @@ void probe_slides(const SlideLaunch& l, const SlideProbe& f) {
 void sweep_slides(const SlideLaunch& l, const SlideSweep& f) {
     run_all<SlideSweep, sweep_strip>(l, f);
 }
+
 } // namespace sahel::SAHEL_ISA_NAMESPACE

@@ -49,12 +49,6 @@ struct alignas(64) Cells {
     Row height, limit, repose, across;
 };
 
-// Whether the block's cells, with `rim` around them, are all owned or in halos that are simulated.
-bool plain(const SlideGround& g, int32_t slot, const LocalRect& r, int32_t rim) {
-    const bool owned = r.x0 >= rim && r.y0 >= rim && r.x1 + rim <= g.n && r.y1 + rim <= g.n;
-    return owned || (g.closed[slot] == 0 && g.walls[slot] == 0);
-}
-
 // Whether a halo in one of these directions is closed or a wall.
 bool special(const SlideGround& g, int32_t slot, int32_t dx0, int32_t dx1, int32_t dy0, int32_t dy1) {
     const int32_t bits = g.closed[slot] | g.walls[slot];
@@ -76,6 +70,7 @@ int32_t side_of(int32_t x, int32_t n) {
 template <class Ask, class Rest>
 void split_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, int32_t rim, const Ask& ask,
                const Rest& rest) {
+    if ((g.closed[slot] | g.walls[slot]) == 0) return rest(x0, x1);
     const int32_t dy0 = side_of(y - rim, g.n);
     const int32_t dy1 = side_of(y + rim, g.n);
     const auto run = [&](int32_t from, int32_t to, int32_t dx0, int32_t dx1) {
@@ -103,8 +98,7 @@ void close_cells(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int3
 
 // Cells [x0, x1) of row y; what is closed gives nothing. `Even`: of sand that has one angle of repose, which is not
 // read; words beyond the cells then stand level with the last one.
-template <bool Even>
-void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, bool all_give, Cells& to) {
+template <bool Even> void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t x1, Cells& to) {
     // A few cells more, where the slab has them, so that no loop ends within a vector.
     const int32_t there = g.bedrock.last - x0;
     const int32_t count = smaller(whole(x1 - x0), there);
@@ -163,7 +157,7 @@ void load_row(const SlideGround& g, int32_t slot, int32_t y, int32_t x0, int32_t
     no_cell(0);
     const int32_t end = used(x1 - x0);
     for (int32_t i = k_first + x1 - x0; i < end; ++i) no_cell(i);
-    if (!Even && !all_give) close_cells(g, slot, y, x0, x1, limit);
+    if constexpr (!Even) close_cells(g, slot, y, x0, x1, limit);
 }
 
 // Sets word i of the four pairs of a row; the bits of all that are not 0.

@@ -68,7 +68,7 @@ void fixed(benchmark::State& state, int32_t n, bool adaptive, int threads, Memor
     set_rates(state, cells, cells * k_sweep_bytes, memory_gb_per_s);
     state.counters["ms/sweep"] = benchmark::Counter(k_sweeps * 1e-3, benchmark::Counter::kIsIterationInvariantRate |
                                                                          benchmark::Counter::kInvert);
-    state.counters["swept"] = static_cast<double>(stats.cells_swept) / static_cast<double>(stats.cells_all);
+    state.counters["swept"] = stats.swept();
 }
 
 // Until quiet: the barchans, or a column that falls (method 5.3).
@@ -89,7 +89,7 @@ void until_quiet(benchmark::State& state, int32_t n, std::optional<SandColumn> c
     }
     state.SetLabel(short_hash(*domain));
     state.counters["sweeps"] = stats.sweeps;
-    state.counters["swept"] = static_cast<double>(stats.cells_swept) / static_cast<double>(stats.cells_all);
+    state.counters["swept"] = stats.swept();
 }
 
 template <class F> void add(const std::string& name, const F& run) {

@@ -93,8 +93,7 @@ Profile profile(const Scene& scene, int32_t n, MemoryPool& pool) {
         if (!ran.ok()) return failed(ran.error());
         if (step < k_warm_steps) continue;
         p.step_ms = std::min(p.step_ms, took.count());
-        const AvalancheStats& slides = aeolian->stats().sand;
-        p.swept = static_cast<double>(slides.cells_swept) / static_cast<double>(std::max<int64_t>(slides.cells_all, 1));
+        p.swept = aeolian->stats().sand.swept();
         for (const LaunchRecord& r : launch_records()) {
             auto& [ms, launches] = p.passes.try_emplace(r.name, 1e30, 0.0).first->second;
             ms = std::min(ms, r.ms / static_cast<double>(r.launches));
