@@ -31,18 +31,6 @@ GLuint make_texture_2d(GLenum format, int width, int height, GLenum filter) {
     return t;
 }
 
-bool may_hold_water(const std::array<uint16_t, k_water_blocks>& blocks, const NodeInstance& node) {
-    constexpr float k_block = static_cast<float>(k_view_cells) / k_water_blocks;
-    const auto block = [](float cell) { return static_cast<int>(cell / k_block); };
-    const float side = node.place[2] * k_node_quads;
-    const int x0 = block(node.place[0]), x1 = block(node.place[0] + side - 1.0f);
-    const int y0 = block(node.place[1]), y1 = block(node.place[1] + side - 1.0f);
-    const uint32_t columns = ((2u << x1) - 1u) & ~((1u << x0) - 1u);
-    for (int y = y0; y <= y1; ++y)
-        if ((blocks[static_cast<size_t>(y)] & columns) != 0) return true;
-    return false;
-}
-
 GLuint make_tile_array(GLenum format, int side, int layers) {
     GLuint t = 0;
     glCreateTextures(GL_TEXTURE_2D_ARRAY, 1, &t);
@@ -95,7 +83,7 @@ struct Renderer::Impl {
     GLuint scene_fbo = 0, copy_fbo = 0, sum_fbo = 0, picture_fbo = 0;
     std::array<GLuint, k_bloom_levels> bloom{}, bloom_fbo{};
 
-    std::vector<std::array<uint16_t, k_water_blocks>> slot_water; ///< ViewTile::water_blocks
+    std::vector<WaterBlocks> slot_water;
     std::vector<NodeInstance> nodes; ///< ground, then water; of each the orders one after the other
     std::array<size_t, k_grid_orders> ground_counts{}, water_counts{};
     size_t ground_count = 0, water_count = 0;
@@ -258,7 +246,9 @@ void Renderer::Impl::choose_nodes(const FrameDesc& frame, std::span<const Visibl
     water_counts.fill(0);
     for (size_t i = 0; i < ground_count; ++i) { // the same nodes on the water lattices
         ++ground_counts[order(nodes[i])];
-        if (!may_hold_water(slot_water[static_cast<size_t>(nodes[i].node[3])], nodes[i])) continue;
+        const auto cells = [&](size_t k) { return static_cast<int>(nodes[i].place[k]); };
+        const WaterBlocks& water = slot_water[static_cast<size_t>(nodes[i].node[3])];
+        if (!water.any(cells(0), cells(1), cells(2) * k_node_quads)) continue;
         NodeInstance n = nodes[i];
         n.own[0] += k_lattice_values;
         if (n.coarse[0] >= 0) n.coarse[0] += k_lattice_values;

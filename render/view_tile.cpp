@@ -257,19 +257,18 @@ uint64_t view_tile_max_bytes() {
     return sizeof(ViewTile) + texels + lattice;
 }
 
-// Blocks with water and those around them: a coarse mip level spreads it by 16 texels.
-static void fill_water_blocks(ViewTile& tile) {
-    constexpr int k_block = k_view_cells / k_water_blocks;
-    const auto least = static_cast<int16_t>(k_least_water_m * 256.0f - 1.0f);
-    for (int j = 0; j < k_view_texels; ++j)
-        for (int i = 0; i < k_view_texels; ++i) {
-            if (tile.water[0][static_cast<size_t>(j) * k_view_texels + static_cast<size_t>(i)].x < least) continue;
-            const int x = std::clamp((i - k_view_border) / k_block, 0, k_water_blocks - 1);
-            const int y = std::clamp((j - k_view_border) / k_block, 0, k_water_blocks - 1);
-            const auto wide = static_cast<uint16_t>(0b111u << x >> 1);
-            for (int b = std::max(y - 1, 0); b <= std::min(y + 1, k_water_blocks - 1); ++b)
-                tile.water_blocks[static_cast<size_t>(b)] |= wide;
-        }
+void WaterBlocks::add(int cell_x, int cell_y) {
+    constexpr int k_last = k_view_cells / k_block - 1;
+    const int x = std::clamp(cell_x / k_block, 0, k_last), y = std::clamp(cell_y / k_block, 0, k_last);
+    const auto around = static_cast<uint16_t>(0b111u << x >> 1);
+    for (int row = std::max(y - 1, 0); row <= std::min(y + 1, k_last); ++row) rows_[static_cast<size_t>(row)] |= around;
+}
+
+bool WaterBlocks::any(int cell_x, int cell_y, int side) const {
+    const int blocks = side / k_block;
+    const uint32_t columns = ((1u << blocks) - 1u) << (cell_x / k_block);
+    const auto first = rows_.begin() + cell_y / k_block;
+    return std::any_of(first, first + blocks, [&](uint16_t row) { return (row & columns) != 0; });
 }
 
 Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, TileKey key, const SunDirection& sun,
@@ -389,7 +388,11 @@ Result<std::unique_ptr<ViewTile>> build_view_tile(const SurfaceSource& source, T
         }
     fill_mips(tile->normal);
     fill_mips(tile->material, k_view_texels);
-    fill_water_blocks(*tile);
+    const auto least = static_cast<int16_t>(k_least_water_m * 256.0f - 1.0f);
+    for (int j = 0; j < k_view_texels; ++j)
+        for (int i = 0; i < k_view_texels; ++i)
+            if (tile->water[0][static_cast<size_t>(j) * k_view_texels + static_cast<size_t>(i)].x >= least)
+                tile->water_blocks.add(i - k_view_border, j - k_view_border);
     fill_mips(tile->water);
     fill_wind(block, *tile);
     tile->height_context = std::move(context);

@@ -24,7 +24,6 @@ inline constexpr int k_view_cells = 512;
 inline constexpr int k_view_border = 8;
 inline constexpr int k_view_texels = k_view_cells + 2 * k_view_border; // 528 = 16 x 33: four exact halvings
 inline constexpr int k_view_mips = 4;
-inline constexpr int k_water_blocks = 16;        // along a side
 inline constexpr float k_least_water_m = -0.05f; // water is drawn where it is above the ground by more; see water.frag
 inline constexpr int k_lattice_count = 3;        ///< spacing 2, 4, 8 cells
 inline constexpr std::array<int, k_lattice_count> k_lattice_spacing = {2, 4, 8};
@@ -61,6 +60,20 @@ class ViewTileContext final : public TileContext {
     static constexpr uint64_t max_bytes() { return sizeof(ViewTileContext) + sizeof(float) * k_side * k_side; }
 };
 
+/// Where in a tile there may be water to draw, by blocks of 32 x 32 cells.
+class WaterBlocks {
+  public:
+    /// Water at a cell of the tile or of its border. The blocks around count too: coarse mip levels spread it by 16
+    /// cells.
+    void add(int cell_x, int cell_y);
+    /// Whether any may be in the square of `side` cells, 32 at least, from a corner of blocks on.
+    [[nodiscard]] bool any(int cell_x, int cell_y, int side) const;
+
+  private:
+    static constexpr int k_block = 32;
+    std::array<uint16_t, k_view_cells / k_block> rows_{}; ///< bit x of row y: block (x, y)
+};
+
 class ViewTile final : public TilePayload {
   public:
     TileKey key;
@@ -77,8 +90,7 @@ class ViewTile final : public TilePayload {
     MipChain<Snorm16x2> water; ///< x: water surface minus ground, 1/256 m (clamped); y: rock exposure 0..32767
     MipChain<Rgba8> wind;      ///< half size; empty: nothing was simulated here. Wind east and south (encode_wind),
                                ///< shelter, sand in the air (255 = 0.5 m)
-    std::array<uint16_t, k_water_blocks> water_blocks{}; ///< bit x of row y: there may be water to draw in the 32 x 32
-                                                         ///< cells of block (x, y)
+    WaterBlocks water_blocks;
 
     float min_m = 0.0f, max_m = 0.0f; ///< over ground and water lattices
     std::shared_ptr<const ViewTileContext> height_context;

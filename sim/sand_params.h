@@ -9,6 +9,8 @@
 /// paper (GRAPP 2024), whose amounts per step of one second these are.
 namespace sahel {
 
+inline constexpr int k_sweeps_until_quiet = 10000; ///< a bound for runs that wait until nothing slides
+
 struct SandParams {
     float step_s = 1.0f;
     float hop_s = 1.0f;

@@ -15,7 +15,6 @@ namespace sahel {
 namespace {
 
 constexpr float k_covered_m = 0.1f; // of the reports, whatever the scene's supply counts
-constexpr int k_sweeps_until_quiet = 10000;
 
 Status fill(TileDomain& domain, const SceneGround& g) {
     const auto at = [&](int64_t x, int64_t y) {

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "world/json_fwd.h"
 #include "world/result.h"
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
 #include <functional>
@@ -38,7 +38,7 @@ class CommandLine {
 int fail(const Error& error);
 
 /// Prints JSON to standard output, or a table of "name  value" lines.
-void print_report(const nlohmann::ordered_json& report, bool as_json);
+void print_report(const Json& report, bool as_json);
 
 /// Bytes as "1.5 GiB"; counts as "12.3 M".
 std::string human_bytes(uint64_t bytes);

@@ -1,8 +1,7 @@
 #pragma once
 
 #include "sim/ledger.h"
-
-#include <nlohmann/json_fwd.hpp>
+#include "world/json_fwd.h"
 
 #include <string>
 
@@ -13,6 +12,6 @@ namespace sahel::tools {
 /// `waiting`: what lies in inboxes, or null.
 std::string ledger_text(const LedgerBook& book, const std::array<int64_t, k_conserved_count>* waiting);
 /// Layers, substances and residuals; with `tiles` also every tile and border.
-nlohmann::ordered_json ledger_json(const LedgerBook& book, const LedgerCheck& check, bool tiles);
+Json ledger_json(const LedgerBook& book, const LedgerCheck& check, bool tiles);
 
 } // namespace sahel::tools

@@ -32,7 +32,7 @@ Result<Report> run_vegetation(const Setup& setup) {
         const int i = disc_of(x, y, 1.0);
         return i < 0 ? 0.0 : density(i);
     };
-    desc.sand.avalanche_max_sweeps = 10000; // slopes are measured
+    desc.sand.avalanche_max_sweeps = k_sweeps_until_quiet; // slopes are measured
     SAHEL_ASSIGN(DuneRun run, DuneRun::create(desc, setup));
     // Sand that moves inside the discs, from one time to a later one.
     SAHEL_TRY(run.advance(setup.extent.steps - 20, setup, 0.0, 0.9, "dunes and plants"));
