@@ -195,7 +195,12 @@ class Survey {
         }
         // A lake below is worth more than the highest range: it is what a landscape is looked at from above for.
         const float water = to_water < 2.0f || to_water > 40.0f ? 0.0f : 1.0f + 0.5f * std::min(wet, 16.0f) / 16.0f;
-        return 0.05f + water + range + 0.3f * std::min(steep, 1.0f);
+        // Dunes before it lead the eye there.
+        float dunes = 0.0f;
+        for (int dy = -12; dy <= 12; dy += 3)
+            for (int dx = -12; dx <= 12; dx += 3)
+                dunes += sand_m_[at(x + dx, y + dy)] > 1.5f ? std::min(slope(x + dx, y + dy), 0.3f) : 0.0f;
+        return 0.05f + water + range + 0.3f * std::min(steep, 1.0f) + std::min(dunes / 81.0f * 6.0f, 0.6f);
     }
 
     double cell_m_ = 32.0;
@@ -254,7 +259,7 @@ void judge_shade(ViewTerrain& terrain, const CameraSearchOptions& options, Found
         v.sun_azimuth_deg = sun;
         v.measures = measure_view(panorama, v.pose, sun, options.sun_elevation_deg);
         v.measures.sunlit = sunlit_share(terrain, panorama, v.pose, sun, options.sun_elevation_deg);
-        const double in_light = std::clamp((v.measures.sunlit - 0.15) / 0.40, 0.0, 1.0);
+        const double in_light = std::clamp((v.measures.sunlit - 0.15) / 0.50, 0.0, 1.0);
         v.score = score_view(v.kind, v.measures) * (0.25 + 0.75 * in_light);
         if (v.score > best.score) best = v;
     }

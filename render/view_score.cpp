@@ -44,6 +44,22 @@ double half_width_deg(double vertical_fov_deg) {
     return std::atan(std::tan(vertical_fov_deg * k_rad / 2.0) * k_aspect) / k_rad;
 }
 
+/// Edges of a column behind which the land goes on farther away than a plain would.
+double edges_of(const Panorama& panorama, int column, int top, int bottom) {
+    double edges = 0.0;
+    for (int r = bottom - 1; r > top; --r) {
+        const Panorama::Pixel &near = panorama.at(column, r), &beyond = panorama.at(column, r - 1);
+        if (near.material == ViewMaterial::sky || beyond.material == ViewMaterial::sky) continue;
+        const double down = (r + 0.5) * Panorama::k_step_deg - Panorama::k_top_deg;
+        const double beyond_down = down - Panorama::k_step_deg;
+        const double plain = beyond_down > 0.0 ? std::tan(down * k_rad) / std::tan(beyond_down * k_rad)
+                             : down > -0.5     ? 4.0
+                                               : 1.0;
+        if (static_cast<double>(beyond.distance_m) > 1.15 * plain * static_cast<double>(near.distance_m)) edges += 1.0;
+    }
+    return edges;
+}
+
 } // namespace
 
 double eye_height_m(ViewKind kind) {
@@ -94,13 +110,19 @@ ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, doub
     const int bottom = row_of(pose.pitch_deg - pose.vertical_fov_deg / 2.0);
 
     ViewMeasures m;
-    double all = 0.0, ground = 0.0, middle_sand = 0.0;
+    double all = 0.0, ground = 0.0, middle_sand = 0.0, far_slopes = 0.0, edge = 0.0;
     std::array<double, 5> by_material{};
-    Spread light, near_light, far_line, line;
+    Spread light, near_light, middle_light, far_line, line;
     for (int c = first; c <= last; c += 2) {
+        m.layers += edges_of(panorama, c, top, bottom);
+        const bool at_side = c < first + 2 || c + 2 > last;
         for (int r = top; r < bottom; r += 2) {
             const Panorama::Pixel& p = panorama.at(c, r);
             all += 1.0;
+            if (p.material != ViewMaterial::sky && (at_side || r + 2 >= bottom)) {
+                edge += 1.0;
+                m.water_cut += p.material == ViewMaterial::water ? 1.0 : 0.0;
+            }
             by_material[static_cast<size_t>(p.material)] += 1.0;
             if (p.material == ViewMaterial::sky) continue;
             const double d = static_cast<double>(p.distance_m);
@@ -115,7 +137,13 @@ ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, doub
             const double lit = std::max(0.0, (sun[2] - east * sun[0] - south * sun[1]) / std::sqrt(1.0 + slope2));
             light.add(lit);
             if (d < 60.0) near_light.add(lit);
+            if (d >= 60.0 && d < 2500.0) middle_light.add(lit);
+            if (p.material == ViewMaterial::sand && slope2 > 0.04 && d >= 60.0 && d < 4000.0) m.dunes += 1.0;
             m.lit += lit > 0.02 ? 1.0 : 0.0;
+            if (slope2 > 0.04 && d > 900.0) {
+                far_slopes += 1.0;
+                m.far_lit += lit > 0.12 ? 1.0 : 0.0;
+            }
             if (slope2 > 0.64 && d >= 60.0 && d < 4000.0) m.steep += 1.0;
             if (p.material == ViewMaterial::sand && d >= 60.0 && d < 900.0) {
                 middle_sand += 1.0;
@@ -136,13 +164,17 @@ ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, doub
     m.sand = by_material[static_cast<size_t>(ViewMaterial::sand)] / all;
     m.water = by_material[static_cast<size_t>(ViewMaterial::water)] / all;
     for (size_t i = 1; i < by_material.size(); ++i) m.materials += by_material[i] / all >= 0.05;
-    for (double* share : {&m.near_ground, &m.middle, &m.far, &m.near_water, &m.steep}) *share /= all;
+    for (double* share : {&m.near_ground, &m.middle, &m.far, &m.near_water, &m.steep, &m.dunes}) *share /= all;
     m.dune_flanks = middle_sand > 0.0 ? m.dune_flanks / middle_sand : 0.0;
+    m.water_cut = edge > 0.0 ? m.water_cut / edge : 0.0;
+    m.far_lit = far_slopes > 0.0 ? m.far_lit / far_slopes : 0.0;
     m.lit = ground > 0.0 ? m.lit / ground : 0.0;
     m.light_contrast = light.deviation();
+    m.middle_contrast = middle_light.deviation();
     m.foreground_contrast = near_light.deviation();
     // A far skyline that fills only a corner does not make a range.
     m.far_relief_deg = far_line.deviation() * std::min(1.0, 3.0 * far_line.n / std::max(line.n, 1.0));
+    m.layers /= std::max(1.0, line.n);
     m.skyline_mean_deg = line.mean();
     m.blocked /= std::max(1.0, line.n * 2.0 / 3.0);
     m.sun_off_axis_deg = std::abs(wrap_degrees(sun_azimuth_deg - pose.yaw_deg));
@@ -202,6 +234,7 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
     add(0.8, plateau(m.sun_off_axis_deg, 20.0, 40.0, 110.0, 150.0));
     add(0.8, plateau(m.lit, 0.25, 0.50, 0.90, 1.02));
     add(0.6, rising(m.light_contrast, 0.02, 0.14));
+    if (kind != ViewKind::dunes) add(high ? 1.5 : 0.8, rising(m.middle_contrast, 0.02, 0.12));
     if (!high) add(0.6, rising(m.foreground_contrast, 0.005, 0.08));
     add(0.8, high ? plateau(m.sky, 0.05, 0.14, 0.30, 0.45) : plateau(m.sky, 0.05, 0.22, 0.42, 0.60));
 
@@ -223,6 +256,8 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
         add(2.0, plateau(m.water, 0.05, 0.12, 0.30, 0.50));
         add(1.5, plateau(m.near_water, 0.0, 0.02, 0.15, 0.35));
         add(0.6, plateau(m.near_ground - m.near_water, 0.02, 0.06, 0.30, 0.60));
+        add(1.6, rising(m.skyline_top_deg, 1.5, 7.0));
+        add(1.0, plateau(m.far_lit, 0.15, 0.5, 0.9, 1.05));
         break;
     case ViewKind::canyon:
         gate *= rising(m.steep, 0.01, 0.05);
@@ -231,13 +266,21 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
         break;
     case ViewKind::mountains:
         gate *= rising(m.skyline_top_deg, 1.0, 4.0);
-        add(2.5, rising(m.skyline_top_deg, 2.0, 9.0));
+        add(2.5, rising(m.skyline_top_deg, 2.0, 14.0));
+        add(1.0, rising(m.steep, 0.01, 0.12));
         add(0.8, 1.0 - rising(m.near_ground, 0.35, 0.60));
+        add(1.0, plateau(m.far_lit, 0.15, 0.5, 0.9, 1.05));
         break;
     case ViewKind::high:
     case ViewKind::count_:
-        // Water near enough to be looked into, not a sliver far off.
-        add(3.0, plateau(m.water, 0.01, 0.07, 0.22, 0.45));
+        // Water near enough to be looked into, not a sliver far off, and whole: a lake that the picture cuts is a stain
+        // in its corner.
+        add(2.5, plateau(m.water, 0.01, 0.06, 0.20, 0.40));
+        add(2.0, 1.0 - rising(m.water_cut, 0.0, 0.30));
+        add(2.0, rising(m.skyline_top_deg, 1.0, 5.0));
+        add(1.0, plateau(m.far_lit, 0.15, 0.5, 0.9, 1.05));
+        add(1.2, rising(m.dunes, 0.0, 0.04));
+        add(3.0, rising(m.layers, 0.5, 3.0));
         add(1.0, rising(m.materials, 1.0, 3.0));
         break;
     }

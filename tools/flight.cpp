@@ -11,6 +11,8 @@ namespace sahel::tools {
 
 namespace {
 
+constexpr double k_overtime = 1.05; ///< of the time that a recording is given
+
 /// Highest ground in a ring of points: a cheap guard against starting inside a hill.
 double highest_near(GroundSampler& ground, double x, double y, double radius_m) {
     double high = ground.surface_m(x, y);
@@ -137,13 +139,11 @@ Result<RecordReport> record(ViewSession& session, const World& world, const Came
         if (i == 1) since = frame_begin;
         frames_since = i < 1 ? 0 : frames_since + 1;
         if (options.max_s > 0.0 && report.samples > 1 && (i == 5 || (i > 5 && frames_since > options.frames_per_s))) {
-            // What was seen last decides how many samples the rest can afford. Nearly enough is enough, and more so
-            // once it was decided: a flight whose sharpness changes on the way is worse than one that takes a little
-            // longer.
+            // What was seen last decides how many samples the rest can afford. A little over the time is allowed: a
+            // flight whose sharpness changes on the way is worse than one that takes a little longer.
             const double per_sample = (frame_begin - since) / (frames_since - 1) / report.samples;
-            const double left = options.max_s - (frame_begin - begin);
-            const double affordable = left / (per_sample * (frames - i)) + (i == 5 ? 0.1 : 0.3);
-            report.samples = std::clamp(static_cast<int>(affordable), 1, report.samples);
+            const double left = k_overtime * options.max_s - (frame_begin - begin);
+            report.samples = std::clamp(static_cast<int>(left / (per_sample * (frames - i))), 1, report.samples);
             since = frame_begin;
             frames_since = 1;
         }

@@ -115,6 +115,7 @@ Result<Tour> plan_tour(const World& world, double seconds) {
     CameraSearchOptions options;
     options.kinds.assign(k_kinds.begin(), k_kinds.end());
     options.per_kind = k_proposals;
+    options.standpoints = 32;  // a second or two for pictures that hold more
     options.least_score = 0.0; // a plain is shown as well as it can be
     SAHEL_ASSIGN(const std::vector<FoundView> found, find_views(world.surface(), options));
     Tour tour;
@@ -135,6 +136,23 @@ Result<Tour> plan_tour(const World& world, double seconds) {
     tour.flight = flight.path;
     tour.atmosphere = golden_hour(flight.sun_azimuth_deg, options.sun_elevation_deg);
     return tour;
+}
+
+Status look_again_at_dunes(const World& world, Tour& tour) {
+    for (TourStill& still : tour.stills) {
+        if (still.name != name_of(ViewKind::dunes)) continue;
+        CameraSearchOptions options;
+        options.kinds = {ViewKind::dunes};
+        options.centre_m = {still.pose.eye_m[0], still.pose.eye_m[1]};
+        options.sites_m = {options.centre_m};
+        options.radius_m = 400.0;
+        options.least_score = 0.0;
+        SAHEL_ASSIGN(const std::vector<FoundView> found, find_views(world.surface(), options));
+        if (found.empty()) continue;
+        const FoundView& view = found.front();
+        still = {still.name, view.pose, golden_hour(view.sun_azimuth_deg, options.sun_elevation_deg), view.score};
+    }
+    return {};
 }
 
 } // namespace sahel::tools

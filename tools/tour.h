@@ -26,4 +26,8 @@ struct Tour {
 /// A flight of `seconds` and stills. A pure function of the world's surface.
 Result<Tour> plan_tour(const World& world, double seconds);
 
+/// Looks for the still of the dunes anew around where it was: wind has moved them since the tour was planned, perhaps
+/// over the eye.
+Status look_again_at_dunes(const World& world, Tour& tour);
+
 } // namespace sahel::tools

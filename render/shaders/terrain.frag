@@ -18,10 +18,10 @@ vec4 noise_at(vec2 uv, float scale, float log_m) {
 // Texels of the finer one are 2^k m wide.
 vec2 grain_of_size(vec2 p, float k) {
     vec2 uv = fract(grain_phase.xy * exp2(4.0 - k)) + p * (exp2(-k) / 512.0);
-    return textureLod(noise_map, uv, 0.5).rg - 0.5;
+    return textureLod(noise_map, uv, 0.0).rg - 0.5;
 }
 vec2 grain(vec2 p, float log_m) {
-    float k = clamp(log_m + 0.7, -7.0, 4.0), finer = floor(k);
+    float k = clamp(log_m + 0.3, -7.0, 4.0), finer = floor(k);
     return mix(grain_of_size(p, finer), grain_of_size(p, finer + 1.0), k - finer);
 }
 
@@ -34,7 +34,8 @@ vec3 ripples(vec2 q, vec2 along, vec2 phase, vec2 strength, float steep, vec4 fo
     float f2 = 2.0 * k_pi * (u / 2.3 + phase.y) + atan(fork.w, fork.z);
     float r1 = cos(f1 + 0.55 * sin(f1)), r2 = cos(f2 + 0.5 * sin(f2));
     strength *= smoothstep(vec2(0.0), vec2(0.05), vec2(length(fork.xy), length(fork.zw)));
-    return vec3(along * (strength.x * r1 * steep + 0.06 * strength.y * r2), 0.06 * strength.x * (0.5 + 0.5 * sin(f1)));
+    return vec3(along * (strength.x * r1 * steep + 0.068 * strength.y * r2),
+                0.15 * strength.x * (0.5 + 0.5 * sin(f1)) + 0.05 * strength.y * (0.5 + 0.5 * sin(f2)));
 }
 vec3 simulated_ripples(int direction, vec2 q, vec2 strength, float steep, vec4 fork) {
     float turn = float(direction) * (2.0 * k_pi / 24.0);
@@ -95,18 +96,18 @@ void main() {
     vec2 g_fine = (n1.rg - 0.5) * fine;
 
     // Rock: beds by height, thin dark seams, grey above the dry belt.
-    float sy = height + 46.0 * v4 + 9.0 * v3 + 2.5 * v2;
+    float sy = height + 60.0 * v4 + 14.0 * v3 + 3.0 * v2;
     float band = 0.5 + 0.5 * sin(sy * 0.55 + 2.0 * sin(sy * 0.17 + 1.0) + 1.3 * sin(sy * 0.39));
     float seam = smoothstep(0.35, 0.95, sin(sy * 2.3 + 3.0 * v2 + 2.0 * sin(sy * 0.31)));
-    float beds = look.w * (0.25 + 0.75 * smoothstep(-0.12, 0.16, v4 - 0.5 * v3));
+    float beds = look.w * (0.2 + 0.8 * smoothstep(-0.14, 0.18, 0.7 * v4 - 0.8 * v3 + 0.3 * v2));
     // Beds thinner than a few pixels go: they would draw lines of their own.
     float pixel = d * screen.w;
     band = mix(band, 0.5, smoothstep(1.2, 4.0, pixel));
     seam *= 1.0 - smoothstep(0.35, 1.0, pixel);
     float pale = smoothstep(0.72, 0.95, 0.5 + 0.5 * sin(sy * 0.21 + 4.0)) * (1.0 - smoothstep(4.0, 10.0, pixel));
     vec3 rock_colour = mix(vec3(0.33, 0.165, 0.095), vec3(0.47, 0.285, 0.165), mix(0.5, band, beds));
-    rock_colour = mix(rock_colour, vec3(0.55, 0.42, 0.30), 0.55 * beds * pale);
-    rock_colour *= 1.0 - 0.26 * beds * seam * smoothstep(-0.12, 0.12, v2 + 0.5 * v3);
+    rock_colour = mix(rock_colour, vec3(0.55, 0.42, 0.30), 0.34 * beds * pale);
+    rock_colour *= 1.0 - 0.17 * beds * seam * smoothstep(-0.12, 0.12, v2 + 0.5 * v3);
     rock_colour *= 0.86 + 0.9 * v2 + 0.6 * v1;
     rock_colour *= 1.0 - 0.30 * smoothstep(0.50, 0.72, n2.a);
     float grey = smoothstep(rock.x, rock.y, height + 160.0 * v4 + 40.0 * v3);
@@ -115,19 +116,27 @@ void main() {
 
     vec3 sand_colour = mix(vec3(0.56, 0.375, 0.205), vec3(0.60, 0.325, 0.15), clamp(look.x + v4 * 1.2, 0.0, 1.0));
     sand_colour *= 1.0 + 0.30 * v3 + 0.20 * v2 + 0.16 * v1;
-    vec3 soil_colour = mix(vec3(0.33, 0.225, 0.135), vec3(0.43, 0.305, 0.185), smoothstep(-0.2, 0.2, v4)) * (1.0 + 0.42 * v3 + 0.30 * v2 + 0.42 * v1);
-    vec3 humus_colour = vec3(0.085, 0.060, 0.036) * (1.0 + 0.8 * v2 + 0.7 * v1);
-    float litter = material.g + 0.5 * v2 + 0.25 * v3 + 0.2 * v1;
-    float dryness = clamp(0.55 + 0.5 * (1.0 - smoothstep(0.35, 0.95, litter)) - 0.9 * material.b + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
-    vec3 green_colour = mix(vec3(0.070, 0.100, 0.022), vec3(0.20, 0.165, 0.060), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
+    vec3 soil_colour = mix(vec3(0.33, 0.225, 0.135), vec3(0.43, 0.305, 0.185), smoothstep(-0.2, 0.2, v4)) * (1.0 + 0.42 * v3 + 0.20 * v2 + 0.42 * v1);
+    // Stony plains are darker and redder: wind took the fine grains.
+    soil_colour = mix(soil_colour, vec3(0.27, 0.165, 0.105) * (1.0 + 0.3 * v3 + 0.5 * v1), 0.85 * smoothstep(-0.08, 0.10, 0.16 * v2 - 0.9 * v3 - 0.9 * v4));
+    vec3 humus_colour = vec3(0.115, 0.082, 0.048) * (1.0 + 0.8 * v2 + 0.7 * v1);
+    // Behind the beach roots reach the water: grass in patches, thinning out within some 50 m.
+    float lush = shore_near ? smoothstep(4.0, 13.0, shore + 10.0 * v2 + 12.0 * v3) *
+                              (1.0 - smoothstep(26.0, 57.0, shore + 14.0 * v2 + 24.0 * v3)) *
+                              smoothstep(-0.18, 0.10, 0.8 * v3 + 0.6 * v4 + 0.4 * v2) : 0.0;
+    float damp = min(1.0, material.b + 0.55 * lush);
+    float litter = material.g + 0.75 * lush + 0.5 * v2 + 0.25 * v3 + 0.2 * v1;
+    float dryness = clamp(0.55 + 0.5 * (1.0 - smoothstep(0.35, 0.95, litter)) - 0.9 * damp + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
+    vec3 green_colour = mix(vec3(0.095, 0.125, 0.034), vec3(0.24, 0.195, 0.080), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
 
     // Thin drifts lie on level dry ground, too thin for the layers.
-    float drift = smoothstep(0.02, 0.20, 0.8 * v3 + 0.7 * v2 + 0.5 * v4 + 0.15 * v1) * (1.0 - smoothstep(0.03, 0.10, slope)) *
+    float drift = smoothstep(-0.14, 0.06, 0.9 * v3 + 0.28 * v2 + 1.2 * v4 + 0.12 * v1) * (1.0 - smoothstep(0.03, 0.10, slope)) *
                   (1.0 - smoothstep(0.10, 0.30, material.g)) * (1.0 - smoothstep(0.25, 0.55, material.b));
     float sand = max(smoothstep(0.30, 0.62, material.r + 0.45 * v2 + 0.35 * v3 + 0.12 * v1), 0.8 * drift);
+    sand *= 1.0 - 0.9 * lush;
     float humus = smoothstep(0.25, 0.60, litter) * (1.0 - sand * mix(0.85, 1.0, smoothstep(0.5, 0.8, material.r)));
     vec3 albedo = mix(soil_colour, sand_colour, sand);
-    albedo = mix(albedo, mix(humus_colour, green_colour, smoothstep(0.25, 0.62, material.b * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18)), humus);
+    albedo = mix(albedo, mix(humus_colour, green_colour, smoothstep(0.25, 0.62, damp * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18)), humus);
     float bare = smoothstep(0.10, 0.26, slope + 0.16 * v2 + 0.10 * v3 - 0.10 * sand - 0.05 * humus) * (1.0 - 0.9 * sand * smoothstep(0.5, 0.8, material.r));
     bare = max(bare, 0.85 * smoothstep(0.35, 0.85, water.y + 0.5 * v2 + 0.3 * v3) * (1.0 - sand));
     albedo = mix(albedo, rock_colour, bare);
@@ -148,22 +157,22 @@ void main() {
     n.xz -= g_mid * (bare * 0.75 + 0.10 + 0.25 * (1.0 - sand) * (1.0 - bare)) * (1.0 - 0.6 * snow) +
             g_fine * (0.55 * bare + 0.35 * (1.0 - sand) + 0.10);
     n.y -= wall * bare * (0.9 * (n2.g - 0.5) + 0.5 * g_fine.y);
-    n.xz -= grain(p, w) * (1.0 - snow) * mix(0.55, 0.26, sand);
+    n.xz -= grain(p, w) * (1.0 - snow) * 0.32 * (1.0 - 0.5 * smoothstep(600.0, 3000.0, d));
 
     // Wind ripples, two wavelengths, each gone before a pixel would skip it.
     float footprint = d * screen.w / sqrt(max(0.04, dot(view, ground_n)));
-    float flat_sand = sand * (1.0 - bare) * (1.0 - 0.7 * humus) * (shore_near ? smoothstep(1.0, 30.0, shore + 8.0 * v2 + 12.0 * v3) : 1.0);
+    float flat_sand = sand * (1.0 - bare) * (1.0 - 0.7 * humus) * (shore_near ? smoothstep(2.0, 8.0, shore + 5.0 * v2 + 8.0 * v3) : 1.0);
     if (flat_sand > 0.01) {
         // The pattern is bent by a blurred noise: with a sharp one ripples close into rings like the grain of wood.
         vec4 blurred = textureLod(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021, 4.3);
         vec2 q = p + vec2(v3 * 0.6 + (blurred.b - 0.5) * 1.3, (blurred.a - 0.5) * 1.3);
         vec4 fork = vec4(blurred.rg, textureLod(noise_map, at3, 3.5).rg) - 0.5;
-        float a1 = flat_sand * (1.0 - smoothstep(0.09, 0.19, footprint)) * (1.0 - smoothstep(0.06, 0.15, slope));
+        float a1 = flat_sand * (1.0 - smoothstep(0.10, 0.23, footprint)) * (1.0 - smoothstep(0.06, 0.15, slope));
         float a2 = flat_sand * (1.0 - smoothstep(0.33, 0.87, footprint)) * (1.0 - smoothstep(0.09, 0.16, slope));
         // In patches, as wind finds loose sand; where it is firm they are faint.
         float loose = smoothstep(-0.10, 0.16, v3 + 0.5 * v2 + 0.7 * v4);
-        float steep = (0.25 + 0.75 * loose) * (0.05 + 0.28 * n2.a);
-        a2 *= 0.45 + 0.55 * loose;
+        float steep = (0.5 + 0.5 * loose) * (0.12 + 0.15 * n2.a);
+        a2 *= 0.65 + 0.35 * loose;
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
         vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
         if (dot(blown, blown) < 0.09) {
@@ -185,7 +194,7 @@ void main() {
     // rills into soil and rock.
     float slip = flat_sand * smoothstep(0.10, 0.15, slope);
     float rill = (1.0 - sand) * (1.0 - snow) * smoothstep(0.03, 0.12, slope) * (1.0 - wall);
-    float streaks = max(slip, rill) * (1.0 - smoothstep(500.0, 1800.0, d));
+    float streaks = max(slip, rill * (0.35 + 0.65 * smoothstep(20.0, 200.0, d))) * (1.0 - smoothstep(500.0, 1800.0, d));
     if (streaks > 0.01) {
         float turn = atan(ground_n.z, ground_n.x) * (12.0 / k_pi) + 18.0 + 0.5 * v3;
         float first = floor(turn), share = smoothstep(0.3, 0.7, turn - first);
@@ -196,9 +205,18 @@ void main() {
     }
     n = normalize(n);
 
+    // Lines of drift that waves have left on the beach, and shells and twigs along them.
+    if (shore_near && sand > 0.01) {
+        float up = shore + 2.6 * v3 + 1.3 * v2;
+        float lines = (1.0 - smoothstep(0.0, 0.16, abs(fract(up * 0.27) - 0.5))) * smoothstep(2.2, 3.5, up) * (1.0 - smoothstep(9.0, 16.0, up));
+        lines *= (0.3 + 0.7 * smoothstep(0.40, 0.60, n2.a)) * (1.0 - smoothstep(90.0, 260.0, d));
+        float bits = smoothstep(0.58, 0.70, n1.a);
+        albedo *= 1.0 - sand * lines * (0.42 + 0.4 * bits);
+        n.xz -= sand * lines * 0.5 * g_fine;
+    }
     float wet = shore_near ? (1.0 - smoothstep(0.2, 2.6, shore + 2.0 * v2)) : 0.0;
     albedo *= mix(1.0, 0.42, wet * 0.95);
-    albedo *= 1.0 - 0.35 * material.b * material.b * (1.0 - wet) * (1.0 - sand) * (1.0 - bare);
+    albedo *= 1.0 - 0.22 * material.b * material.b * (1.0 - wet) * (1.0 - sand) * (1.0 - bare);
     if (water.x > 0.0) albedo *= vec3(0.80, 0.88, 0.80);
 
     float lambert = max(0.0, dot(n, sun.xyz));

@@ -32,13 +32,21 @@ void main() {
     float time = eye.w;
     vec2 p = rel.xz;
     vec2 flow = wind.xy * 0.36;
-    vec4 a = texture(noise_map, noise_phase[0].zw + p * 0.060 + flow * time * 0.05);
-    vec4 b = texture(noise_map, noise_phase[0].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.17 - flow.yx * time * 0.09);
-    vec4 e = texture(noise_map, noise_phase[2].xy + p * 0.017 - flow * time * 0.02);
+    // Only at scales whose phase is known: others would slide over the lake as the eye moves.
+    vec4 a = texture(noise_map, wall_phase.xy + p * 0.047 + flow * time * 0.05);
+    vec4 b = texture(noise_map, 4.0 * noise_phase[0].zw + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.188 - flow.yx * time * 0.09);
+    vec4 e = texture(noise_map, noise_phase[2].xy + mat2(0.96, 0.28, -0.28, 0.96) * p * 0.021 - flow * time * 0.02);
     float calm = mix(0.25, 1.0, smoothstep(0.0, 4.0, depth));
     vec2 g = ((a.rg - 0.5) * 0.075 + (b.rg - 0.5) * 0.05 + (e.rg - 0.5) * 0.05) * calm / (1.0 + d * 0.006) * (0.4 + wind.z);
     vec3 n = normalize(vec3(-g.x, 1.0, -g.y));
+    // Gusts ruffle the water in streaks along the wind. Waves too small to be drawn tilt towards the eye: it sees more of
+    // the depth, and the sky from higher up.
+    vec4 gust = texture(noise_map, noise_phase[1].zw + mat2(0.8, 0.6, -0.6, 0.8) * p * 0.00071 - flow * time * 0.001);
+    vec4 streak = texture(noise_map, noise_phase[1].xy + mat2(0.6, 0.8, -0.8, 0.6) * p * 0.0061 - flow * time * 0.006);
+    float ruffled = smoothstep(0.36, 0.64, 0.65 * gust.b + 0.35 * streak.b) * smoothstep(0.2, 2.5, depth) * smoothstep(40.0, 300.0, d) *
+                    (0.3 + 0.7 * wind.z) * mix(0.2, 1.0, smoothstep(10.0, 60.0, lod.x));
     float cosine = max(0.02, dot(n, view));
+    cosine = mix(cosine, max(cosine, 0.6 * cosine + 0.15), ruffled);
     float fresnel = 0.02 + 0.98 * pow(1.0 - cosine, 5.0);
 
     vec2 through = screen_uv + g * 0.54 * min(1.0, max(depth, 0.0)) / (1.0 + d * 0.02);
@@ -49,7 +57,7 @@ void main() {
     }
     float drop = max(0.0, rel.y - bottom.y);
     float path = min(min(length(bottom - rel), 40.0), max(drop, depth) * 2.6);
-    vec3 sigma = vec3(0.46, 0.125, 0.095) + vec3(0.10, 0.08, 0.09) * look.z;
+    vec3 sigma = vec3(0.36, 0.078, 0.062) + vec3(0.10, 0.08, 0.09) * look.z;
     vec3 kept = exp(-sigma * path);
     vec3 body = vec3(0.010, 0.052, 0.048) + look.z * vec3(0.03, 0.035, 0.015);
     vec3 light = sun_light.rgb * max(0.0, sun.y) * sun_seen + light_up.rgb * k_pi;
@@ -57,7 +65,7 @@ void main() {
 
     // Reflection: march the copy of depth on the screen, else the sky.
     vec3 r = reflect(-view, n);
-    r.y = max(r.y, 0.01);
+    r.y = max(r.y, 0.01) + 0.12 * ruffled;
     r = normalize(r);
     vec3 mirrored = sky_radiance(r);
     float reach = min(900.0, 40.0 + d * 4.0);
