@@ -79,7 +79,7 @@ void main() {
     float cut = min(1.0, 280.0 / max(pixels, 1.0));
     s1 = mix(s0, s1, cut);
     pixels *= cut;
-    int steps = int(clamp(pixels / 5.0, 8.0, 40.0));
+    int steps = int(clamp(pixels / 7.0, 8.0, 26.0));
     float jitter = fract(gradient_noise_1(gl_FragCoord.xy) + lod.w * 0.618034); // averaged over the samples of a picture
     // What is found is refined after the loop: a software driver runs both sides of every branch inside it.
     float before = 0.0, at = 2.0;
@@ -94,7 +94,7 @@ void main() {
         before = t;
     }
     float hit_at = min(at, 1.0);
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < 5; ++k) {
         float mid = 0.5 * (before + hit_at);
         vec3 m = mix(s0, s1, mid);
         if (texture(ground_depth, within(m.xy)).r > m.z * 1.0015) hit_at = mid; else before = mid;
