@@ -141,7 +141,8 @@ Result<RecordReport> record(ViewSession& session, const World& world, const Came
         frames_since = i < 1 ? 0 : frames_since + 1;
         if (options.max_s > 0.0 && report.samples > 1 && (i == 5 || (i > 5 && frames_since > options.frames_per_s))) {
             // What was seen last decides how many samples the rest can afford. A little over the time is allowed: a
-            // flight whose sharpness changes on the way is worse than one that takes a little longer.
+            // flight whose sharpness changes on the way is worse than one that takes a little longer. The first frames
+            // are dear, since tiles ahead still load beside them: they get the credit of a fifth of a sample.
             const double per_sample = (frame_begin - since) / (frames_since - 1) / report.samples;
             const double left = k_overtime * options.max_s - (frame_begin - begin);
             const double affordable = left / (per_sample * (frames - i)) + (i == 5 ? 0.2 : 0.0);

@@ -32,6 +32,10 @@ Atmosphere golden_hour(double sun_azimuth_deg, double sun_elevation_deg) {
     return a;
 }
 
+TourStill still_of(const std::string& name, const FoundView& view, const CameraSearchOptions& searched) {
+    return {name, view.pose, golden_hour(view.sun_azimuth_deg, searched.sun_elevation_deg), view.score};
+}
+
 /// The best view of each kind that is good, then the best of what is left: four where the landscape has four. A
 /// landscape without mountains shows more of its dunes.
 std::vector<FoundView> choose_stills(const std::vector<FoundView>& found) {
@@ -124,8 +128,7 @@ Result<Tour> plan_tour(const World& world, double seconds) {
         const auto same = std::count_if(tour.stills.begin(), tour.stills.end(),
                                         [&](const TourStill& s) { return s.name.starts_with(name); });
         if (same > 0) name += std::to_string(same + 1);
-        tour.stills.push_back(
-            {name, view.pose, golden_hour(view.sun_azimuth_deg, options.sun_elevation_deg), view.score});
+        tour.stills.push_back(still_of(name, view, options));
     }
     if (found.empty()) {
         GroundSampler ground(world.surface(), 1);
@@ -149,8 +152,7 @@ Status look_again_at_dunes(const World& world, Tour& tour) {
         options.least_score = 0.0;
         SAHEL_ASSIGN(const std::vector<FoundView> found, find_views(world.surface(), options));
         if (found.empty()) continue;
-        const FoundView& view = found.front();
-        still = {still.name, view.pose, golden_hour(view.sun_azimuth_deg, options.sun_elevation_deg), view.score};
+        still = still_of(still.name, found.front(), options);
     }
     return {};
 }

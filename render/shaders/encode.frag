@@ -17,7 +17,9 @@ vec3 sharpened(ivec2 p, float sharpness) {
 }
 
 void main() {
-    vec3 c = sharpened(ivec2(gl_FragCoord.xy), mode.x > 0 ? 0.0 : 0.14 * clamp(float(mode.z - 1) / 7.0, 0.0, 1.0));
+    ivec2 p = ivec2(gl_FragCoord.xy);
+    float sharpness = mode.x > 0 ? 0.0 : 0.14 * clamp(float(mode.z - 1) / 7.0, 0.0, 1.0);
+    vec3 c = sharpness > 0.0 ? sharpened(p, sharpness) : texelFetch(sum, p, 0).rgb; // one sample has nothing to win back
     c = mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
     colour = vec4(c + (gradient_noise_1(gl_FragCoord.xy) - 0.5) / 255.0, 1.0);
 }
