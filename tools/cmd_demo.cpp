@@ -67,8 +67,9 @@ Status second_act(const Options& o, const ViewSessionDesc& desc, nlohmann::order
     return {};
 }
 
-/// Wind over the tiles before the still of the dunes (or before the flight), with a time lapse of it.
-Status dune_act(const Options& o, World& world, const Tour& tour, nlohmann::ordered_json& report) {
+/// Wind over the tiles before the still of the dunes (or before the flight), with a time lapse of it. The still is
+/// looked for anew after it.
+Status dune_act(const Options& o, World& world, Tour& tour, nlohmann::ordered_json& report) {
     CameraPose pose = tour.flight.pose_at(tour.flight.start_s());
     for (const TourStill& s : tour.stills)
         if (s.name == "dunes") pose = s.pose;
@@ -88,7 +89,7 @@ Status dune_act(const Options& o, World& world, const Tour& tour, nlohmann::orde
         {"mcells_per_s", act.mcells_per_s},
         {"seconds", act.seconds},
         {"video", act.video}};
-    return {};
+    return look_again_at_dunes(world, act.region, tour);
 }
 
 Status run_demo(const Options& o) {
@@ -108,10 +109,7 @@ Status run_demo(const Options& o) {
     report["preset"] = o.preset;
     report["seed"] = o.seed;
     report["planning_s"] = now_s() - begin;
-    if (o.steps > 0) {
-        SAHEL_TRY(dune_act(o, world, tour, report));
-        SAHEL_TRY(look_again_at_dunes(world, tour));
-    }
+    if (o.steps > 0) SAHEL_TRY(dune_act(o, world, tour, report));
 
     ViewSessionDesc desc;
     desc.width = o.width;

@@ -141,18 +141,35 @@ Result<Tour> plan_tour(const World& world, double seconds) {
     return tour;
 }
 
-Status look_again_at_dunes(const World& world, Tour& tour) {
+Status look_again_at_dunes(const World& world, const TileRect& blown, Tour& tour) {
+    const double tile_m = world.desc().tile_cells * world.desc().cell_m;
+    const auto within = [&](double x_m, double y_m) {
+        return x_m > blown.x0 * tile_m && x_m < blown.x1 * tile_m && y_m > blown.y0 * tile_m && y_m < blown.y1 * tile_m;
+    };
+    // What fills the picture: the ground up to 300 m ahead, to both sides of the heading.
+    const auto inside = [&](const FoundView& view) {
+        const Vec3d& eye = view.pose.eye_m;
+        bool all = within(eye[0], eye[1]);
+        for (const double aside_deg : {-35.0, 0.0, 35.0}) {
+            const double yaw = (view.pose.yaw_deg + aside_deg) * k_rad;
+            all = all && within(eye[0] + 300.0 * std::cos(yaw), eye[1] + 300.0 * std::sin(yaw));
+        }
+        return all;
+    };
     for (TourStill& still : tour.stills) {
         if (still.name != name_of(ViewKind::dunes)) continue;
         CameraSearchOptions options;
         options.kinds = {ViewKind::dunes};
-        options.centre_m = {still.pose.eye_m[0], still.pose.eye_m[1]};
-        options.sites_m = {options.centre_m};
-        options.radius_m = 400.0;
+        options.centre_m = {0.5 * (blown.x0 + blown.x1) * tile_m, 0.5 * (blown.y0 + blown.y1) * tile_m};
+        options.sites_m = {options.centre_m, {still.pose.eye_m[0], still.pose.eye_m[1]}};
+        options.radius_m = std::clamp(0.5 * (blown.x1 - blown.x0) * tile_m, 200.0, 5000.0);
+        options.per_kind = 24;
+        options.spacing_m = 30.0;
         options.least_score = 0.0;
         SAHEL_ASSIGN(const std::vector<FoundView> found, find_views(world.surface(), options));
         if (found.empty()) continue;
-        still = still_of(still.name, found.front(), options);
+        const auto best = std::find_if(found.begin(), found.end(), inside);
+        still = still_of(still.name, best == found.end() ? found.front() : *best, options);
     }
     return {};
 }

@@ -2,6 +2,7 @@
 
 #include "render/atmosphere.h"
 #include "render/camera_path.h"
+#include "streaming/region_run.h"
 #include "world/world.h"
 
 #include <string>
@@ -26,8 +27,9 @@ struct Tour {
 /// A flight of `seconds` and stills. A pure function of the world's surface.
 Result<Tour> plan_tour(const World& world, double seconds);
 
-/// Looks for the still of the dunes anew around where it was: wind has moved them since the tour was planned, perhaps
-/// over the eye.
-Status look_again_at_dunes(const World& world, Tour& tour);
+/// Looks for the still of the dunes anew, over the tiles in which wind has moved them since the tour was planned: the
+/// old eye may lie under sand by now. Views towards the rim of the tiles are the last choice, since the sand beyond it
+/// did not move.
+Status look_again_at_dunes(const World& world, const TileRect& blown, Tour& tour);
 
 } // namespace sahel::tools
