@@ -37,6 +37,7 @@ struct BaseTerrainParams {
     float lake_radius_m = 420.0f;
     float lake_relief_min = -0.22f;
     float lake_relief_max = 0.30f;
+    float stream_m = 24.0f;
     float wetland = 0.0f;
     float wind_x = 0.86f;
     float wind_y = 0.50f;
@@ -67,6 +68,7 @@ template <> inline constexpr auto fields_of<BaseTerrainParams> = std::tuple{
     Field{&BaseTerrainParams::lake_radius_m,    "lake_radius_m",    "m", 50.0f, 800.0f,  "Size of lakes"},
     Field{&BaseTerrainParams::lake_relief_min,  "lake_relief_min",  "",  -3.0f, 3.0f,    "Lakes lie where relief is above this"},
     Field{&BaseTerrainParams::lake_relief_max,  "lake_relief_max",  "",  -3.0f, 3.0f,    "Lakes lie where relief is below this"},
+    Field{&BaseTerrainParams::stream_m,         "stream_m",         "m", 0.0f,  60.0f,   "Width of the streams of a middling lake, 0: none"},
     Field{&BaseTerrainParams::wetland,          "wetland",          "",  0.0f,  1.0f,    "1: flat land of pools and channels at the sea's level"},
     Field{&BaseTerrainParams::wind_x,           "wind_x",           "",  -1.0f, 1.0f,    "Wind that shaped the dunes, to the east (a direction)"},
     Field{&BaseTerrainParams::wind_y,           "wind_y",           "",  -1.0f, 1.0f,    "Wind that shaped the dunes, to the south (a direction)"},

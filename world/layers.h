@@ -78,7 +78,7 @@ inline constexpr std::array<LayerInfo, k_layer_count> k_layers = {{
     {Layer::mountain,      "mountain",      "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Weight of the mountain region"},
     {Layer::dune,          "dune",          "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Weight of the dune region"},
     {Layer::canyon,        "canyon",        "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Weight of the canyon region"},
-    {Layer::wetness,       "wetness",       "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Wetness of the climate, about -1 to 1"},
+    {Layer::wetness,       "wetness",       "",  LayerType::real,  LayerRole::derived, LodFilter::mean,    "Wetness of climate and ground, about -1 to 1"},
     {Layer::wind_x,        "wind_x",        "m/s", LayerType::real, LayerRole::shown,   LodFilter::mean, "Wind of the last step towards the east"},
     {Layer::wind_y,        "wind_y",        "m/s", LayerType::real, LayerRole::shown,   LodFilter::mean, "Wind of the last step towards the south"},
     {Layer::wind_shadow,   "wind_shadow",   "",  LayerType::real,  LayerRole::shown,   LodFilter::mean,  "Shelter from that wind, 0 to 1"},

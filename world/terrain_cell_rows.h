@@ -77,9 +77,23 @@ SAHEL_ROW void cell_row(const TerrainTables& t, const SampleRow& row, int n, flo
     } else {
         fill_row(n, 0.0f, thickness);
     }
+    if (rows.has_stream) {
+        const float* __restrict side = node_of(rows, NodeField::stream);
+        const float* __restrict half = node_of(rows, NodeField::stream_half);
+        const float* __restrict level = node_of(rows, NodeField::stream_level);
+        SAHEL_VECTORIZE
+        for (int x = 0; x < n; ++x) {
+            float height = h[x], water_table = table[x], dune_sand = thickness[x];
+            stream_bed(side[x], half[x], level[x], lake[x], spacing_m, height, water_table, dune_sand);
+            h[x] = height;
+            table[x] = water_table;
+            thickness[x] = dune_sand;
+        }
+    }
 
     const bool sea = t.p.sea != 0;
-    const LayerShape shape{sea ? 2.2f * (1.0f - 0.92f * t.p.wetland) : 0.0f, sea ? 0.0f : 0.8f, sea ? 1.0f : 0.0f};
+    const LayerShape shape{sea ? 2.2f * (1.0f - 0.92f * t.p.wetland) : 0.0f, sea ? 0.0f : 0.8f, sea ? 1.0f : 0.0f,
+                           sea ? 1.0f : 2.2f};
     const float* __restrict soil = mid_of(rows, MidField::soil);
     const float* __restrict bed = mid_of(rows, MidField::bed);
     const float* __restrict noise = mid_of(rows, MidField::noise);

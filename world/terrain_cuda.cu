@@ -8,6 +8,7 @@
 #include "world/terrain_lakes.h"
 #include "world/terrain_layout.h"
 #include "world/terrain_spline_rows.h"
+#include "world/terrain_streams.h"
 
 #include <algorithm>
 #include <vector>
@@ -33,6 +34,8 @@ struct DevicePiece {
     const TerrainTables* tables;
     const LakeSite* lakes;
     int32_t lake_count;
+    const StreamPiece* streams;
+    int32_t stream_count;
     bool dune, canyon;
     TerrainLayout l;
     DeviceFields coarse, sharp_coarse; // sums at every fourth node
@@ -73,7 +76,7 @@ struct DevicePiece {
         for (int i = 0; i < k_row_scratch; ++i) row.scratch[i] = &scratch[i];
         row.has_dune = dune;
         row.has_canyon = canyon;
-        row.has_lake = lake_count > 0;
+        row.has_lake = lake_count > 0 || stream_count > 0;
         return row;
     }
 };
@@ -115,6 +118,7 @@ struct BaseKernel {
         isa_cuda::sum_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, range, row);
         isa_cuda::base_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, row);
         isa_cuda::lake_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, p.lakes, p.lake_count, row);
+        isa_cuda::stream_row(*p.tables, p.l.node_row(y, x), 1, p.l.node_m, p.streams, p.stream_count, row);
     }
 };
 struct DetailKernel {
@@ -189,7 +193,8 @@ struct CellKernel {
         row.water = &out[3];
         row.has_dune = p.dune;
         row.has_canyon = p.canyon;
-        row.has_lake = p.lake_count > 0;
+        row.has_lake = p.lake_count > 0 || p.stream_count > 0;
+        row.has_stream = p.stream_count > 0;
         isa_cuda::cell_row(*p.tables, l.cell_row(y, x), 1, l.cell_m, row);
         for (int i = 0; i < 4; ++i)
             if (surface[i].origin != nullptr) surface[i](left + x, top + y) = ticks_of_metres(out[i] * stretch);
@@ -239,6 +244,9 @@ Status read_terrain_cuda(const TerrainTables& t, int32_t level, float stretch, L
     std::vector<LakeSite> sites;
     find_lakes_near(t, SAHEL_ISA_CALL(terrain_kernels), level, all, sites);
     SAHEL_ASSIGN(const Buffer lakes, uploaded(sites.data(), sites.size(), pool));
+    std::vector<StreamPiece> pieces;
+    find_streams_near(t, SAHEL_ISA_CALL(terrain_kernels), level, all, sites, pieces);
+    SAHEL_ASSIGN(const Buffer streams, uploaded(pieces.data(), pieces.size(), pool));
 
     for (int64_t y0 = all.y0; y0 < all.y1; y0 += k_piece_side)
         for (int64_t x0 = all.x0; x0 < all.x1; x0 += k_piece_side) {
@@ -247,6 +255,8 @@ Status read_terrain_cuda(const TerrainTables& t, int32_t level, float stretch, L
             p.tables = static_cast<const TerrainTables*>(tables.data());
             p.lakes = static_cast<const LakeSite*>(lakes.data());
             p.lake_count = static_cast<int32_t>(sites.size());
+            p.streams = static_cast<const StreamPiece*>(streams.data());
+            p.stream_count = static_cast<int32_t>(pieces.size());
             p.dune = t.p.dune_m > 0.0f;
             p.canyon = t.p.canyon_m > 0.0f && t.p.sea == 0;
             p.l = make_terrain_layout(rect, level);

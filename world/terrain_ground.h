@@ -112,8 +112,8 @@ struct DuneShape {
 
 SAHEL_HD float soil_thickness(float slope, float wetness, float dune, float canyon, float hold, float noise) {
     const float soil = (1.0f - sstep(0.22f, 0.75f, slope + 0.12f * noise)) *
-                       (0.25f + 1.6f * sstep(-0.5f, 0.5f, wetness) + 0.5f * hold) * (1.0f - 0.85f * dune) *
-                       (1.0f - 0.6f * canyon);
+                       (0.25f + 1.6f * sstep(-0.5f, 0.5f, wetness) + 0.5f * hold) *
+                       (1.0f - 0.85f * dune * (1.0f - hold)) * (1.0f - 0.6f * canyon);
     return max2(soil - 0.05f, 0.0f);
 }
 /// Sand on the floor of a wadi.
@@ -138,12 +138,13 @@ struct SurfaceLayers {
 struct LayerShape {
     float sea_beach_m, lake_beach_m; ///< sand on shores
     float sea;                       ///< 1: datum is sea level
+    float narrower;                  ///< beaches of lakes than those of a sea, times
 
     /// `table_m`: height of the water table, far below the ground where there is none.
     SAHEL_HD SurfaceLayers split(float h, float slope, float table_m, float lake, float soil, float bed, float noise,
                                  float dune_sand) const {
         const float above = h - table_m;
-        const float shore = (1.0f - sstep(1.2f, 3.2f, above + 0.8f * noise)) * sstep(-9.0f, -2.5f, above);
+        const float shore = (1.0f - sstep(1.2f, 3.2f, narrower * above + 0.8f * noise)) * sstep(-9.0f, -2.5f, above);
         const float beach = shore * (lake < k_lake_end ? max2(lake_beach_m, sea_beach_m) : sea_beach_m) *
                             (1.0f - sstep(0.25f, 0.6f, slope));
         const float loose = max2(beach, bed * (1.0f - sea * sstep(3.0f, 0.0f, h)));

@@ -1,6 +1,7 @@
 #include "world/terrain_lakes.h"
 
 #include "world/terrain_layout.h"
+#include "world/terrain_streams.h"
 
 #include <algorithm>
 #include <array>
@@ -17,21 +18,6 @@ constexpr float k_smallest_radius_m = 90.0f;
 
 /// Beyond this level lakes are smaller than a cell.
 constexpr int32_t k_last_lake_level = 8;
-
-struct RawSite {
-    uint32_t hash;
-    int64_t x, y; // half metres
-};
-
-std::optional<RawSite> raw_site(const TerrainTables& t, int64_t i, int64_t j) {
-    const uint32_t h = node_hash(column_hash(static_cast<uint32_t>(static_cast<uint64_t>(i)), t.lake_salt),
-                                 static_cast<uint32_t>(static_cast<uint64_t>(j)));
-    if (static_cast<float>(h >> 24) / 256.0f >= t.p.lake_probability) return std::nullopt;
-    const auto inside = [](uint32_t bits) {
-        return 1024 + static_cast<int64_t>(static_cast<float>(bits & 0xFFFu) / 4096.0f * 6144.0f);
-    };
-    return RawSite{h, i * k_lattice + inside(h), j * k_lattice + inside(h >> 12)};
-}
 
 /// The land at one point, always as 16 m nodes see it: a lake does not depend on the level that asks.
 struct Land {
@@ -53,20 +39,20 @@ Land land_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t x, i
 }
 
 std::optional<LakeSite> lake_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t i, int64_t j) {
-    const auto raw = raw_site(t, i, j);
+    const auto raw = raw_lake_site(t, i, j);
     if (!raw) return std::nullopt;
     float radius = t.p.lake_radius_m * (0.55f + 0.9f * static_cast<float>(lowbias32(raw->hash)) / 4294967296.0f);
     for (int dj = -1; dj <= 1; ++dj)
         for (int di = -1; di <= 1; ++di) {
             if (di == 0 && dj == 0) continue;
-            const auto other = raw_site(t, i + di, j + dj);
+            const auto other = raw_lake_site(t, i + di, j + dj);
             if (!other) continue;
-            const float dx = static_cast<float>(other->x - raw->x) * 0.5f;
-            const float dy = static_cast<float>(other->y - raw->y) * 0.5f;
+            const float dx = static_cast<float>(other->x_half_m - raw->x_half_m) * 0.5f;
+            const float dy = static_cast<float>(other->y_half_m - raw->y_half_m) * 0.5f;
             radius = std::min(radius, 0.34f * std::sqrt(dx * dx + dy * dy));
         }
     if (radius < k_smallest_radius_m) return std::nullopt;
-    const Land centre = land_at(t, kernels, raw->x, raw->y);
+    const Land centre = land_at(t, kernels, raw->x_half_m, raw->y_half_m);
     if (centre.relief < t.p.lake_relief_min || centre.relief > t.p.lake_relief_max || centre.canyon > 0.3f)
         return std::nullopt;
     if (t.p.sea != 0 && centre.continent < 0.12f) return std::nullopt;
@@ -75,15 +61,26 @@ std::optional<LakeSite> lake_at(const TerrainTables& t, const TerrainKernels& ke
     const auto off = static_cast<int64_t>(radius * 3.2f);
     for (const auto& [dx, dy] :
          {std::pair{off, int64_t{0}}, {-off, int64_t{0}}, {int64_t{0}, off}, {int64_t{0}, -off}}) {
-        const float h = land_at(t, kernels, raw->x + dx, raw->y + dy).height;
+        const float h = land_at(t, kernels, raw->x_half_m + dx, raw->y_half_m + dy).height;
         low = std::min(low, h);
         high = std::max(high, h);
     }
     if (high - low > k_largest_range_m) return std::nullopt;
-    return LakeSite{raw->x, raw->y, radius, std::floor((low - 1.0f) * 8.0f) / 8.0f, 4.0f + radius * 0.02f};
+    return LakeSite{raw->x_half_m, raw->y_half_m, radius, std::floor((low - 1.0f) * 8.0f) / 8.0f,
+                    4.0f + radius * 0.02f};
 }
 
 } // namespace
+
+std::optional<RawLakeSite> raw_lake_site(const TerrainTables& t, int64_t i, int64_t j) {
+    const uint32_t h = node_hash(column_hash(static_cast<uint32_t>(static_cast<uint64_t>(i)), t.lake_salt),
+                                 static_cast<uint32_t>(static_cast<uint64_t>(j)));
+    if (static_cast<float>(h >> 24) / 256.0f >= t.p.lake_probability) return std::nullopt;
+    const auto inside = [](uint32_t bits) {
+        return 1024 + static_cast<int64_t>(static_cast<float>(bits & 0xFFFu) / 4096.0f * 6144.0f);
+    };
+    return RawLakeSite{h, i * k_lattice + inside(h), j * k_lattice + inside(h >> 12)};
+}
 
 void find_lakes(const TerrainTables& t, const TerrainKernels& kernels, int64_t x0, int64_t y0, int64_t x1, int64_t y1,
                 std::vector<LakeSite>& lakes) {
@@ -103,7 +100,8 @@ void find_lakes_near(const TerrainTables& t, const TerrainKernels& kernels, int3
     lakes.clear();
     if (level > k_last_lake_level) return;
     const int64_t unit = int64_t{2} << level;
-    const int64_t margin = 5 * std::max(unit, int64_t{2 * k_node_spacing_m}); // nodes lie up to five spacings outside
+    int64_t margin = 5 * std::max(unit, int64_t{2 * k_node_spacing_m}); // nodes lie up to five spacings outside
+    if (has_streams(t, level)) margin += static_cast<int64_t>(2.0f * (k_stream_far_m + k_stream_reach_m));
     find_lakes(t, kernels, rect.x0 * unit - margin, rect.y0 * unit - margin, rect.x1 * unit + margin,
                rect.y1 * unit + margin, lakes);
 }

@@ -159,7 +159,7 @@ SAHEL_ROW void dune_row(const TerrainTables& t, const SampleRow& row, int n, flo
         dune_a[x] = max2(small * (0.62f + 0.75f * supply[x]) * min2(dune[x] * 1.2f, 1.0f), 0.0f);
         fine[x] = 0.35f * fine[x];
         sand[x] = sup * 1.6f * dune[x] - dune_m * 0.42f * (1.0f - clamp01(sup * 0.75f));
-        factor[x] = sstep(0.02f, 0.35f, dune[x]) * (1.0f - sstep(0.35f, 0.7f, slope[x])) * (1.0f - 0.97f * hold[x]);
+        factor[x] = sstep(0.02f, 0.35f, dune[x]) * (1.0f - sstep(0.35f, 0.7f, slope[x])) * (1.0f - hold[x]);
     }
 }
 

@@ -295,6 +295,63 @@ SAHEL_ROW void lake_row(const TerrainTables& t, const SampleRow& row, int n, flo
             level[x] = max2(z, sea_level);
         }
     }
+    if (!ready) return;
+    float* __restrict wetness = field_of(out, NodeField::wetness);
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x)
+        wetness[x] = watered(wetness[x], lake_waters(lake[x], coarse[x], fine[x]), 0.5f * coarse[x] + fine[x]);
+}
+
+SAHEL_ROW void stream_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m,
+                          const StreamPiece* pieces, int piece_count, const BaseRow& out) {
+    float* __restrict side = field_of(out, NodeField::stream);
+    float* __restrict half = field_of(out, NodeField::stream_half);
+    float* __restrict level = field_of(out, NodeField::stream_level);
+    float* __restrict distance = out.scratch[0];
+    fill_row(n, k_stream_reach_m, side);
+    fill_row(n, 0.0f, half);
+    fill_row(n, 0.0f, level);
+    bool any = false;
+    const float step = static_cast<float>(row.step) * 0.5f;
+    for (int i = 0; i < piece_count; ++i) {
+        const StreamPiece piece = pieces[i];
+        const float x0 = static_cast<float>(row.x0 - piece.x_half_m) * 0.5f;
+        const float dy = static_cast<float>(row.y - piece.y_half_m) * 0.5f;
+        if (dy > max2(piece.dy_m, 0.0f) + k_stream_reach_m || dy < min2(piece.dy_m, 0.0f) - k_stream_reach_m) continue;
+        // Samples within reach, and at most one more on each side.
+        const float first = floor1((min2(piece.dx_m, 0.0f) - k_stream_reach_m - x0) / step);
+        const float last = floor1((max2(piece.dx_m, 0.0f) + k_stream_reach_m - x0) / step) + 2.0f;
+        const auto count = static_cast<float>(n);
+        const int begin = static_cast<int>(min2(max2(first, 0.0f), count));
+        const int end = static_cast<int>(min2(max2(last, 0.0f), count));
+        if (begin >= end) continue;
+        if (!any) fill_row(n, k_stream_reach_m, distance);
+        any = true;
+        SAHEL_VECTORIZE
+        for (int x = begin; x < end; ++x) {
+            StreamNear near{distance[x], side[x], half[x], level[x]};
+            stream_piece(piece, x0 + step * static_cast<float>(x), dy, near);
+            distance[x] = near.distance_m;
+            side[x] = near.side_m;
+            half[x] = near.half_m;
+            level[x] = near.level_m;
+        }
+    }
+    if (!any) return;
+    float* __restrict h = out.height;
+    float* __restrict lake = field_of(out, NodeField::lake);
+    float* __restrict wetness = field_of(out, NodeField::wetness);
+    float* __restrict patches = out.scratch[1];
+    noise_row(t.lake_shape[1], row, n, spacing_m, patches);
+    const float seen = stream_seen(spacing_m);
+    SAHEL_VECTORIZE
+    for (int x = 0; x < n; ++x) {
+        const float d = distance[x];
+        h[x] = stream_valley(h[x], d, half[x], level[x], lake[x], seen);
+        lake[x] = min2(lake[x], stream_hold(d, half[x]));
+        wetness[x] = watered(wetness[x], stream_waters(d, half[x], patches[x]) * seen, patches[x]);
+        half[x] = stream_width(half[x], d) * seen;
+    }
 }
 
 SAHEL_ROW void gully_row(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const float* above,

@@ -9,8 +9,8 @@
 namespace sahel::SAHEL_ISA_NAMESPACE {
 
 const TerrainKernels& terrain_kernels() {
-    static constexpr TerrainKernels k_kernels{sum_row,    base_row,   lake_row, detail_row, sharpen_row,
-                                              spline_row, middle_row, cell_row, ticks_row};
+    static constexpr TerrainKernels k_kernels{sum_row,     base_row,   lake_row,   stream_row, detail_row,
+                                              sharpen_row, spline_row, middle_row, cell_row,   ticks_row};
     return k_kernels;
 }
 

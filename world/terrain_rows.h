@@ -10,12 +10,13 @@
 ///     sums      every 4th node: large octaves; spline; nodes: the other octaves
 ///     base      nodes   climate -> weights -> height of the land
 ///     lakes     nodes
+///     streams   nodes   nearest place of a stream, its valley
 ///     detail    nodes   gullies (read the rows above and below) -> dune phases, lines, strata
 ///     sharpen   nodes   makes the spline pass near the nodes' heights
 ///     spline            uniform cubic B-spline (part of the function, hence independent of tiles)
 ///     middle    every 4 m, or at cells where those are wider: wadi, rills, coarse rock, hummocks, amplitudes of dunes
 ///     spline
-///     cells             fine rock, strata, dune profiles, layers
+///     cells             fine rock, strata, beds of streams, dune profiles, layers
 ///
 /// The same source runs on CUDA, where a row is one sample long. All arrays are rows of floats; none may overlap but
 /// where a comment says so.
@@ -57,7 +58,7 @@ struct CellRow {
     const float* mid[k_mid_fields];
     float *rock, *soil, *sand, *water; ///< out, m
     float* scratch[k_row_scratch];
-    bool has_dune, has_canyon, has_lake;
+    bool has_dune, has_canyon, has_lake, has_stream;
 };
 
 SAHEL_HD bool sum_needed(const TerrainTables& t, SumField f) {
@@ -86,6 +87,9 @@ struct TerrainKernels {
     void (*base)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const BaseRow& out);
     void (*lakes)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const LakeSite* sites,
                   int site_count, const BaseRow& out);
+    /// After lakes: around streams nothing else carves, as at lakes.
+    void (*streams)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const StreamPiece* pieces,
+                    int piece_count, const BaseRow& out);
     /// `above` and `below` are heights of the neighbouring rows; reads heights at -1 and n. `blended`: the nodes are
     /// no cells, so that what they carry also counts where their own weight is zero.
     void (*detail)(const TerrainTables& t, const SampleRow& row, int n, float spacing_m, const float* above,

@@ -85,6 +85,7 @@ SAHEL_HD float wetland_height(const BaseTerrainParams& p, const LandSample& s) {
 
 // --- lakes ---
 
+inline constexpr float k_watered = 0.42f;     ///< mean  wetness beside water
 inline constexpr float k_lake_shrink = 0.75f; ///< so beyond 3 radii a lake changes nothing
 
 /// One lake at (dx, dy) from its site: bowl and rim, the distance in radii, its level.
@@ -101,9 +102,93 @@ SAHEL_HD void lake_shape(const LakeSite& site, float dx, float dy, float coarse,
     level = r < lake ? site.level_m : level;
     lake = min2(r, lake);
 }
+/// Ground water near lakes and streams makes the land as wet as a wet climate does, in patches. `near`: share, 0 to 1;
+/// `patches`: noise.
+SAHEL_HD float watered(float wetness, float near, float patches) {
+    return wetness + near * max2(k_watered + 0.8f * patches - wetness, 0.0f);
+}
+SAHEL_HD float lake_waters(float lake, float coarse, float fine) {
+    return (1.0f - sstep(1.05f, 2.2f, lake + 0.9f * coarse + 0.6f * fine)) * (1.0f - sstep(2.3f, k_no_lake, lake));
+}
+
 /// Share of a lake in what happens at `lake` radii: nothing carves its bowl.
 SAHEL_HD float lake_mask(float lake) {
     return 1.0f - sstep(1.7f, 2.2f, lake);
+}
+
+// --- streams ---
+
+inline constexpr float k_least_half_m = 1.6f; ///< narrower than that they are dry
+
+/// Share of their valleys that samples of a spacing show.
+SAHEL_HD float stream_seen(float spacing_m) {
+    return sstep(64.0f, 24.0f, spacing_m);
+}
+
+/// The nearest place of the streams near a sample.
+struct StreamNear {
+    float distance_m = k_stream_reach_m;
+    float side_m = k_stream_reach_m; ///< from the line through the piece, signed: left of the way or right of it
+    float half_m = 0.0f, level_m = 0.0f;
+};
+/// (dx, dy): the sample from the beginning of the piece, m.
+SAHEL_HD void stream_piece(const StreamPiece& p, float dx, float dy, StreamNear& near) {
+    const float length2 = p.dx_m * p.dx_m + p.dy_m * p.dy_m + 1e-6f;
+    const float t = clamp01((dx * p.dx_m + dy * p.dy_m) / length2);
+    const float qx = dx - t * p.dx_m, qy = dy - t * p.dy_m;
+    const float d = sqrt1(qx * qx + qy * qy);
+    const bool nearer = d < near.distance_m;
+    const float side = (dy * p.dx_m - dx * p.dy_m) / sqrt1(length2); // straight on beyond the ends
+    near.half_m = nearer ? mix1(p.half_m, p.half_end_m, t) : near.half_m;
+    near.level_m = nearer ? mix1(p.level_m, p.level_end_m, t) : near.level_m;
+    near.side_m = nearer ? side : near.side_m;
+    near.distance_m = nearer ? d : near.distance_m;
+}
+/// Share of a stream in what happens around it: it ends gently.
+SAHEL_HD float stream_share(float half_m) {
+    return sstep(0.0f, 0.5f * k_least_half_m, half_m);
+}
+/// Valley of a stream: a floor just above the water that rises to the land. Nothing fills the bowl of a lake.
+SAHEL_HD float stream_valley(float height, float distance_m, float half_m, float level_m, float lake, float seen) {
+    const float edge = half_m + 14.0f;
+    const float floor_m = level_m + 0.35f + 0.012f * max2(distance_m - half_m, 0.0f);
+    const float w = (1.0f - sstep(edge, k_stream_reach_m, distance_m)) * stream_share(half_m) * sstep(1.0f, 1.3f, lake);
+    return mix1(height, floor_m, w * seen);
+}
+/// Width that is still carried at a distance: so far from the middle line nothing is wet, even where the sign of the
+/// distance changes between two streams.
+SAHEL_HD float stream_width(float half_m, float distance_m) {
+    return half_m * (1.0f - sstep(45.0f, 65.0f, distance_m));
+}
+/// Around streams, as at lakes, nothing carves and no dune stands: `lake` in radii as lake_mask takes it.
+SAHEL_HD float stream_hold(float distance_m, float half_m) {
+    const float share = stream_share(half_m) * (1.0f - sstep(half_m + 30.0f, k_stream_reach_m, distance_m));
+    return k_no_lake - 1.4f * share; // at least k_lake_end
+}
+
+SAHEL_HD float stream_waters(float distance_m, float half_m, float patches) {
+    return stream_share(half_m) * (1.0f - sstep(20.0f, 120.0f, distance_m + 70.0f * patches)) *
+           (1.0f - sstep(120.0f, k_stream_reach_m, distance_m));
+}
+
+/// Bed, banks and water of a stream at a cell; `table_m` is the height of the water table so far, `dune_sand` m of sand
+/// that blew there: streams carry it away.
+SAHEL_HD void stream_bed(float side_m, float half_m, float level_m, float lake, float spacing_m, float& height,
+                         float& table_m, float& dune_sand) {
+    const float wide = max2(half_m, 0.55f * spacing_m);
+    const float a = abs1(side_m), u = a / wide;
+    const float share = stream_share(half_m);
+    const float dig = sstep(k_least_half_m, 2.8f, half_m); // no bed deeper than the water that fills it
+    const float u2 = u * u;
+    const float bed = level_m - (0.25f + 0.10f * half_m) * (1.0f - u2 * u2);
+    const float bank = level_m + 0.10f + 0.10f * max2(a - wide, 0.0f);
+    const float to_bank = (1.0f - sstep(wide + 1.0f, wide + 14.0f, a)) * share * sstep(1.0f, 1.15f, lake);
+    const bool wet = u < 1.0f && half_m > k_least_half_m;
+    const float outside = mix1(height, bank, to_bank);
+    const float inside = mix1(height, min2(height, bed), dig);
+    height = wet ? inside : outside;
+    table_m = wet ? max2(table_m, level_m) : table_m;
+    dune_sand *= 1.0f - share * (1.0f - sstep(wide + 2.0f, wide + 16.0f, a));
 }
 
 // --- gullies: stripes down the slope that all coarser octaves left behind, sharp ridges between them; then the slope

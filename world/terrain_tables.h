@@ -76,12 +76,15 @@ enum class NodeField : int {
     dune_cos,
     mega_sin,
     mega_cos,
-    supply,     ///< noise
-    lake,       ///< distance from the lake's centre in radii, at most k_no_lake
-    lake_level, ///< m, where lake < k_no_lake
-    wadi,       ///< signed distance to the line of the wadi, m
-    channel,    ///< the same of a wetland channel
-    strata,     ///< shift of the strata, m
+    supply,       ///< noise
+    lake,         ///< distance from the lake's centre in radii, at most k_no_lake
+    lake_level,   ///< m, where lake < k_no_lake
+    wadi,         ///< signed distance to the line of the wadi, m
+    channel,      ///< the same of a wetland channel
+    strata,       ///< shift of the strata, m
+    stream,       ///< signed distance to the middle of a stream, m, at most k_stream_reach_m
+    stream_half,  ///< half of its width, m; 0: none near
+    stream_level, ///< height of its water, m
     count_
 };
 inline constexpr int k_node_fields = static_cast<int>(NodeField::count_);
@@ -114,6 +117,16 @@ struct LakeSite {
     float level_m = 0.0f;
     float depth_m = 0.0f;
 };
+
+/// A straight piece of the middle line of a stream.
+struct StreamPiece {
+    int64_t x_half_m = 0, y_half_m = 0;     ///< where it begins
+    float dx_m = 0.0f, dy_m = 0.0f;         ///< to its end
+    float half_m = 0.0f, half_end_m = 0.0f; ///< half of the width
+    float level_m = 0.0f, level_end_m = 0.0f;
+};
+inline constexpr float k_stream_reach_m = 170.0f; ///< valleys of streams end at this distance from the middle line
+inline constexpr float k_stream_far_m = 2200.0f;  ///< of any part of a stream from the site of its lake
 
 TerrainTables make_terrain_tables(uint64_t seed, const BaseTerrainParams& params);
 

@@ -123,7 +123,7 @@ void main() {
     // Behind the beach roots reach the water: grass in patches, thinning out within some 50 m.
     float lush = shore_near ? smoothstep(4.0, 13.0, shore + 10.0 * v2 + 12.0 * v3) *
                               (1.0 - smoothstep(26.0, 57.0, shore + 14.0 * v2 + 24.0 * v3)) *
-                              smoothstep(-0.18, 0.10, 0.8 * v3 + 0.6 * v4 + 0.4 * v2) : 0.0;
+                              smoothstep(-0.28, 0.02, 0.8 * v3 + 0.6 * v4 + 0.4 * v2 + 0.30 * (1.0 - smoothstep(8.0, 34.0, shore))) : 0.0;
     float damp = min(1.0, material.b + 0.55 * lush);
     float litter = material.g + 0.75 * lush + 0.5 * v2 + 0.25 * v3 + 0.2 * v1;
     float dryness = clamp(0.55 + 0.5 * (1.0 - smoothstep(0.35, 0.95, litter)) - 0.9 * damp + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
@@ -136,7 +136,11 @@ void main() {
     sand *= 1.0 - 0.9 * lush;
     float humus = smoothstep(0.25, 0.60, litter) * (1.0 - sand * mix(0.85, 1.0, smoothstep(0.5, 0.8, material.r)));
     vec3 albedo = mix(soil_colour, sand_colour, sand);
-    albedo = mix(albedo, mix(humus_colour, green_colour, smoothstep(0.25, 0.62, damp * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18)), humus);
+    float grassy = smoothstep(0.25, 0.62, damp * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18);
+    // Bushes stand in the grass, denser where it is wet: a darker green, and a shadow at their foot.
+    float bush = smoothstep(0.07, 0.12, v2 + 0.25 * v1 + 0.25 * v3 + 0.10 * (damp - 0.7)) * smoothstep(0.3, 0.6, damp);
+    vec3 bush_colour = vec3(0.045, 0.068, 0.022) * (1.0 + 1.1 * v1);
+    albedo = mix(albedo, mix(humus_colour, mix(green_colour, bush_colour, 0.85 * bush), grassy), humus);
     float bare = smoothstep(0.10, 0.26, slope + 0.16 * v2 + 0.10 * v3 - 0.10 * sand - 0.05 * humus) * (1.0 - 0.9 * sand * smoothstep(0.5, 0.8, material.r));
     bare = max(bare, 0.85 * smoothstep(0.35, 0.85, water.y + 0.5 * v2 + 0.3 * v3) * (1.0 - sand));
     albedo = mix(albedo, rock_colour, bare);

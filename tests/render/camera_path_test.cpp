@@ -111,6 +111,9 @@ struct BadPath {
     const char* json;
     const char* names; ///< what the message must name besides the file
 };
+void PrintTo(const BadPath& path, std::ostream* out) { // else its addresses, which change with every build
+    *out << path.names;
+}
 class CameraPathErrors : public ::testing::TestWithParam<BadPath> {};
 
 TEST_P(CameraPathErrors, NameFileAndKey) {

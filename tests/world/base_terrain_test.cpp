@@ -19,12 +19,10 @@ namespace {
 using test::count_differences;
 using test::ground_m;
 using test::hash_of;
+using test::k_places;
 using test::k_terrain_layers;
 using test::read_rect;
 using test::terrain_of;
-
-constexpr std::array<Cell, 4> k_places = {
-    Cell{0, 0}, Cell{-2048, 1024}, Cell{int64_t{4'000'000} * 2048, int64_t{-3'000'000} * 2048}, Cell{-5351, -6900}};
 
 class BaseTerrainTest : public testing::Test {
   protected:

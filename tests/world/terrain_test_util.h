@@ -5,11 +5,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <string>
+#include <utility>
 
 namespace sahel::test {
+
+/// Looked at in every preset: the origin, the other side of it, far away, a lake of the oasis, one of its streams.
+inline constexpr std::array<Cell, 5> k_places = {Cell{0, 0}, Cell{-2048, 1024},
+                                                 Cell{int64_t{4'000'000} * 2048, int64_t{-3'000'000} * 2048},
+                                                 Cell{-5351, -6900}, Cell{-26800, -42160}};
 
 inline const LayerSet k_terrain_layers = k_surface_layers.united(k_weight_layers);
 
@@ -65,6 +73,25 @@ inline double ground_m(const LayerBlock& block, int32_t x, int32_t y) {
     return static_cast<double>(block.ints(Layer::bedrock)(x, y) + block.ints(Layer::soil)(x, y) +
                                block.ints(Layer::sand)(x, y)) /
            static_cast<double>(k_ticks_per_m);
+}
+
+/// Most height of water above the ground of a dry neighbour, m, and how many cells hold water.
+struct Walls {
+    double highest_m = 0.0;
+    int64_t wet = 0;
+};
+inline void find_walls(const LayerBlock& block, Walls& walls) {
+    const auto n = static_cast<int32_t>(block.owned().width());
+    const auto water = block.ints(Layer::water);
+    for (int32_t y = 1; y + 1 < n; ++y)
+        for (int32_t x = 1; x + 1 < n; ++x) {
+            if (water(x, y) == 0) continue;
+            ++walls.wet;
+            const double surface = ground_m(block, x, y) + static_cast<double>(water(x, y)) / k_ticks_per_m;
+            for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}})
+                if (water(x + dx, y + dy) == 0)
+                    walls.highest_m = std::max(walls.highest_m, surface - ground_m(block, x + dx, y + dy));
+        }
 }
 
 } // namespace sahel::test
