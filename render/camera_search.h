@@ -28,8 +28,9 @@ struct ViewMeasures {
     double near_ground = 0.0, middle = 0.0, far = 0.0;      ///< nearer than 60 m, than 900 m, beyond
     double near_water = 0.0;                                ///< water nearer than 80 m
     double water_cut = 0.0;                                 ///< of the sides and the lower edge, what is water
-    double dune_flanks = 0.0;                               ///< of the sand in the middle, what is steeper than 0.2
-    double far_relief_deg = 0.0;                            ///< standard deviation of the far skyline
+    double water_lean = 0.0;     ///< near water left of the middle against right of it: 0 alike, 1 all on one side
+    double dune_flanks = 0.0;    ///< of the sand in the middle, what is steeper than 0.2
+    double far_relief_deg = 0.0; ///< standard deviation of the far skyline
     double skyline_top_deg = 0.0, skyline_mean_deg = 0.0;
     double lit = 0.0;            ///< of the ground, what faces the sun
     double far_lit = 0.0;        ///< of the ground beyond 900 m that is steeper than 0.2, what faces the sun well

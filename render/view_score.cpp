@@ -110,7 +110,8 @@ ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, doub
     const int bottom = row_of(pose.pitch_deg - pose.vertical_fov_deg / 2.0);
 
     ViewMeasures m;
-    double all = 0.0, ground = 0.0, middle_sand = 0.0, far_slopes = 0.0, edge = 0.0;
+    double all = 0.0, ground = 0.0, middle_sand = 0.0, far_slopes = 0.0, edge = 0.0, water_left = 0.0,
+           water_right = 0.0;
     std::array<double, 5> by_material{};
     Spread light, near_light, middle_light, far_line, line;
     for (int c = first; c <= last; c += 2) {
@@ -129,6 +130,7 @@ ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, doub
             (d < 60.0 ? m.near_ground : d < 900.0 ? m.middle : m.far) += 1.0;
             if (p.material == ViewMaterial::water) {
                 if (d < 80.0) m.near_water += 1.0;
+                if (d < 200.0) (2 * c < first + last ? water_left : water_right) += 1.0;
                 continue;
             }
             ground += 1.0;
@@ -167,6 +169,7 @@ ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, doub
     for (double* share : {&m.near_ground, &m.middle, &m.far, &m.near_water, &m.steep, &m.dunes}) *share /= all;
     m.dune_flanks = middle_sand > 0.0 ? m.dune_flanks / middle_sand : 0.0;
     m.water_cut = edge > 0.0 ? m.water_cut / edge : 0.0;
+    m.water_lean = std::abs(water_left - water_right) / std::max(1.0, water_left + water_right);
     m.far_lit = far_slopes > 0.0 ? m.far_lit / far_slopes : 0.0;
     m.lit = ground > 0.0 ? m.lit / ground : 0.0;
     m.light_contrast = light.deviation();
@@ -255,6 +258,8 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
         gate *= rising(m.water, 0.05, 0.12) * rising(m.near_water, 0.002, 0.02);
         add(2.0, plateau(m.water, 0.05, 0.12, 0.30, 0.50));
         add(1.5, plateau(m.near_water, 0.0, 0.02, 0.15, 0.35));
+        add(2.0, rising(m.water - m.near_water, 0.03, 0.10));    // a lake and not the bend of a stream
+        add(1.0, plateau(m.water_lean, 0.05, 0.30, 0.80, 1.10)); // it leads into the picture and does not bar it
         add(0.6, plateau(m.near_ground - m.near_water, 0.02, 0.06, 0.30, 0.60));
         add(1.6, rising(m.skyline_top_deg, 1.5, 7.0));
         add(1.0, plateau(m.far_lit, 0.15, 0.5, 0.9, 1.05));
@@ -276,7 +281,7 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
         // Water near enough to be looked into, not a sliver far off, and whole: a lake that the picture cuts is a stain
         // in its corner.
         add(2.5, plateau(m.water, 0.01, 0.06, 0.20, 0.40));
-        add(2.0, 1.0 - rising(m.water_cut, 0.0, 0.30));
+        add(3.0, 1.0 - rising(m.water_cut, 0.0, 0.25));
         add(2.0, rising(m.skyline_top_deg, 1.0, 5.0));
         add(1.0, plateau(m.far_lit, 0.15, 0.5, 0.9, 1.05));
         add(1.2, rising(m.dunes, 0.0, 0.04));

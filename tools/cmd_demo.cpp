@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct Options {
     std::string out = "out/demo", preset = "oasis", dem;
-    uint64_t seed = 8; // shore, lake, cliffs and dunes within a few kilometres of the start
+    uint64_t seed = 10; // shore, lake, streams, cliffs and dunes within a few kilometres of the start
     double seconds = 10.0, budget_s = 230.0;
     int64_t steps = 120;
     int fps = 24, samples = 4, still_samples = 8, width = 1280, height = 720;

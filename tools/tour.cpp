@@ -68,16 +68,22 @@ Result<CameraPath> flight_from(const FoundView& view, double bend, double second
         o.waypoints_m.push_back(
             {view.pose.eye_m[0] + along * c - aside * s, view.pose.eye_m[1] + along * s + aside * c});
     }
-    o.height_m = view.kind == ViewKind::high ? 48.0 : 26.0;
+    o.height_m = view.kind == ViewKind::high ? 60.0 : 26.0;
     o.look_down_deg = 4.0;
     o.duration_s = seconds;
     return flyover_path(o, ground);
 }
 
-/// Mean worth of what the flight sees, the poorest moment counted twice.
+double rising(double value, double from, double to) {
+    return std::clamp((value - from) / (to - from), 0.0, 1.0);
+}
+
+/// Mean worth of what the flight sees, the poorest moment counted twice, and how much it changes on the way: ten
+/// seconds over open water show one picture.
 double flight_score(ViewTerrain& terrain, const CameraPath& path, double sun_azimuth_deg, double sun_elevation_deg) {
-    double sum = 0.0, least = 1.0;
+    double sum = 0.0, least = 1.0, change = 0.0;
     constexpr int k_moments = 5;
+    ViewMeasures last;
     for (int i = 0; i < k_moments; ++i) {
         const CameraPose pose = path.pose_at(path.start_s() + path.duration_s() * i / (k_moments - 1));
         const Panorama panorama = cast_panorama(terrain, pose.eye_m);
@@ -85,13 +91,18 @@ double flight_score(ViewTerrain& terrain, const CameraPath& path, double sun_azi
         double best = 0.0;
         for (const ViewKind kind :
              {ViewKind::dunes, ViewKind::lake, ViewKind::shore, ViewKind::mountains, ViewKind::high})
-            best = std::max(best, score_view(kind, m) + (kind == ViewKind::high ? -0.1 : 0.0));
+            best = std::max(best, score_view(kind, m));
         const double sunlit = sunlit_share(terrain, panorama, pose, sun_azimuth_deg, sun_elevation_deg);
         best *= std::clamp((sunlit - 0.15) / 0.40, 0.0, 1.0);
-        sum += best + 0.5 * std::min(m.water, 0.15) / 0.15;
+        sum += best + 0.5 * rising(m.water, 0.0, 0.08) * (1.0 - rising(m.water, 0.25, 0.45)) +
+               0.5 * rising(m.layers, 0.5, 2.5);
         least = std::min(least, best);
+        if (i > 0)
+            change += std::abs(m.water - last.water) + std::abs(m.sand - last.sand) + std::abs(m.middle - last.middle) +
+                      std::abs(m.dunes - last.dunes);
+        last = m;
     }
-    return (sum + least) / (k_moments + 1);
+    return (sum + least) / (k_moments + 1) + 0.4 * rising(change / (k_moments - 1), 0.03, 0.25);
 }
 
 Result<Flight> choose_flight(const World& world, const std::vector<FoundView>& found, double sun_elevation_deg,
@@ -146,13 +157,13 @@ Status look_again_at_dunes(const World& world, const TileRect& blown, Tour& tour
     const auto within = [&](double x_m, double y_m) {
         return x_m > blown.x0 * tile_m && x_m < blown.x1 * tile_m && y_m > blown.y0 * tile_m && y_m < blown.y1 * tile_m;
     };
-    // What fills the picture: the ground up to 300 m ahead, to both sides of the heading.
-    const auto inside = [&](const FoundView& view) {
+    // What fills the picture: the ground so far ahead, to both sides of the heading.
+    const auto inside = [&](const FoundView& view, double reach_m) {
         const Vec3d& eye = view.pose.eye_m;
         bool all = within(eye[0], eye[1]);
         for (const double aside_deg : {-35.0, 0.0, 35.0}) {
             const double yaw = (view.pose.yaw_deg + aside_deg) * k_rad;
-            all = all && within(eye[0] + 300.0 * std::cos(yaw), eye[1] + 300.0 * std::sin(yaw));
+            all = all && within(eye[0] + reach_m * std::cos(yaw), eye[1] + reach_m * std::sin(yaw));
         }
         return all;
     };
@@ -168,7 +179,11 @@ Status look_again_at_dunes(const World& world, const TileRect& blown, Tour& tour
         options.least_score = 0.0;
         SAHEL_ASSIGN(const std::vector<FoundView> found, find_views(world.surface(), options));
         if (found.empty()) continue;
-        const auto best = std::find_if(found.begin(), found.end(), inside);
+        auto best = found.end();
+        for (const double reach_m : {600.0, 450.0, 300.0})
+            if (best == found.end())
+                best = std::find_if(found.begin(), found.end(),
+                                    [&](const FoundView& view) { return inside(view, reach_m); });
         still = still_of(still.name, best == found.end() ? found.front() : *best, options);
     }
     return {};

@@ -77,33 +77,38 @@ SAHEL_ROW void cell_row(const TerrainTables& t, const SampleRow& row, int n, flo
     } else {
         fill_row(n, 0.0f, thickness);
     }
+    const float* bed = mid_of(rows, MidField::bed);
+    const float* __restrict noise = mid_of(rows, MidField::noise);
     if (rows.has_stream) {
         const float* __restrict side = node_of(rows, NodeField::stream);
         const float* __restrict half = node_of(rows, NodeField::stream_half);
         const float* __restrict level = node_of(rows, NodeField::stream_level);
+        float* __restrict loose = rows.scratch[4];
         SAHEL_VECTORIZE
         for (int x = 0; x < n; ++x) {
-            float height = h[x], water_table = table[x], dune_sand = thickness[x];
-            stream_bed(side[x], half[x], level[x], lake[x], spacing_m, height, water_table, dune_sand);
+            float height = h[x], water_table = table[x], dune_sand = thickness[x], sand = bed[x];
+            stream_bed(side[x], half[x], level[x], lake[x], spacing_m, noise[x], height, water_table, dune_sand, sand);
             h[x] = height;
             table[x] = water_table;
             thickness[x] = dune_sand;
+            loose[x] = sand;
         }
+        bed = loose;
     }
 
     const bool sea = t.p.sea != 0;
     const LayerShape shape{sea ? 2.2f * (1.0f - 0.92f * t.p.wetland) : 0.0f, sea ? 0.0f : 0.8f, sea ? 1.0f : 0.0f,
                            sea ? 1.0f : 2.2f};
     const float* __restrict soil = mid_of(rows, MidField::soil);
-    const float* __restrict bed = mid_of(rows, MidField::bed);
-    const float* __restrict noise = mid_of(rows, MidField::noise);
+    const float* __restrict sand_bed = bed;
     float* __restrict rock = rows.rock;
     float* __restrict soil_out = rows.soil;
     float* __restrict sand_out = rows.sand;
     float* __restrict water = rows.water;
     SAHEL_VECTORIZE
     for (int x = 0; x < n; ++x) {
-        const SurfaceLayers l = shape.split(h[x], slope[x], table[x], lake[x], soil[x], bed[x], noise[x], thickness[x]);
+        const SurfaceLayers l =
+            shape.split(h[x], slope[x], table[x], lake[x], soil[x], sand_bed[x], noise[x], thickness[x]);
         rock[x] = l.rock;
         soil_out[x] = l.soil;
         sand_out[x] = l.sand;

@@ -349,7 +349,7 @@ SAHEL_ROW void stream_row(const TerrainTables& t, const SampleRow& row, int n, f
         const float d = distance[x];
         h[x] = stream_valley(h[x], d, half[x], level[x], lake[x], seen);
         lake[x] = min2(lake[x], stream_hold(d, half[x]));
-        wetness[x] = watered(wetness[x], stream_waters(d, half[x], patches[x]) * seen, patches[x]);
+        wetness[x] = watered(wetness[x], stream_waters(d, half[x], patches[x]) * seen, 1.3f * patches[x]);
         half[x] = stream_width(half[x], d) * seen;
     }
 }

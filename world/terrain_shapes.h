@@ -172,10 +172,10 @@ SAHEL_HD float stream_waters(float distance_m, float half_m, float patches) {
 }
 
 /// Bed, banks and water of a stream at a cell; `table_m` is the height of the water table so far, `dune_sand` m of sand
-/// that blew there: streams carry it away.
-SAHEL_HD void stream_bed(float side_m, float half_m, float level_m, float lake, float spacing_m, float& height,
-                         float& table_m, float& dune_sand) {
-    const float wide = max2(half_m, 0.55f * spacing_m);
+/// that blew there: streams carry it away, and leave `sand` on bars beside them. `noise` of some 70 m.
+SAHEL_HD void stream_bed(float side_m, float half_m, float level_m, float lake, float spacing_m, float noise,
+                         float& height, float& table_m, float& dune_sand, float& sand) {
+    const float wide = max2(half_m * (1.0f + 0.45f * noise), 0.55f * spacing_m);
     const float a = abs1(side_m), u = a / wide;
     const float share = stream_share(half_m);
     const float dig = sstep(k_least_half_m, 2.8f, half_m); // no bed deeper than the water that fills it
@@ -189,6 +189,9 @@ SAHEL_HD void stream_bed(float side_m, float half_m, float level_m, float lake, 
     height = wet ? inside : outside;
     table_m = wet ? max2(table_m, level_m) : table_m;
     dune_sand *= 1.0f - share * (1.0f - sstep(wide + 2.0f, wide + 16.0f, a));
+    // Bars lie now on this bank, now on that one.
+    const float bar = wide + 1.0f + 22.0f * max2((side_m < 0.0f ? noise : -noise) + 0.04f, 0.0f);
+    sand = max2(sand, share * (1.0f - sstep(bar, bar + 3.0f, a)));
 }
 
 // --- gullies: stripes down the slope that all coarser octaves left behind, sharp ridges between them; then the slope

@@ -126,8 +126,8 @@ void main() {
                               smoothstep(-0.28, 0.02, 0.8 * v3 + 0.6 * v4 + 0.4 * v2 + 0.30 * (1.0 - smoothstep(8.0, 34.0, shore))) : 0.0;
     float damp = min(1.0, material.b + 0.55 * lush);
     float litter = material.g + 0.75 * lush + 0.5 * v2 + 0.25 * v3 + 0.2 * v1;
-    float dryness = clamp(0.55 + 0.5 * (1.0 - smoothstep(0.35, 0.95, litter)) - 0.9 * damp + 0.8 * v3 + 0.5 * v2 + 0.35 * grey, 0.0, 1.0);
-    vec3 green_colour = mix(vec3(0.095, 0.125, 0.034), vec3(0.24, 0.195, 0.080), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
+    float dryness = clamp(0.55 + 0.5 * (1.0 - smoothstep(0.35, 0.95, litter)) - 0.75 * damp + 1.1 * v3 + 0.9 * v2 + 0.35 * grey, 0.0, 1.0);
+    vec3 green_colour = mix(vec3(0.105, 0.128, 0.040), vec3(0.25, 0.20, 0.085), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
 
     // Thin drifts lie on level dry ground, too thin for the layers.
     float drift = smoothstep(-0.14, 0.06, 0.9 * v3 + 0.28 * v2 + 1.2 * v4 + 0.12 * v1) * (1.0 - smoothstep(0.03, 0.10, slope)) *
