@@ -223,6 +223,20 @@ void add_sites(const CameraSearchOptions& options, ViewKind kind, std::vector<St
     }
 }
 
+/// To a dozen metres from the nearest water, if it is within 90 m: there the picture has wet sand and shallows in
+/// front.
+void walk_to_water(ViewTerrain& terrain, double& x_m, double& y_m) {
+    constexpr double k_step_m = 3.0, k_from_water_m = 12.0;
+    for (double d = k_step_m; d < 90.0; d += k_step_m)
+        for (int i = 0; i < 24; ++i) {
+            const double angle = i * std::numbers::pi / 12.0, c = std::cos(angle), s = std::sin(angle);
+            if (terrain.at(1, x_m + d * c, y_m + d * s).material != ViewMaterial::water) continue;
+            x_m += (d - k_from_water_m) * c;
+            y_m += (d - k_from_water_m) * s;
+            return;
+        }
+}
+
 /// The eye above a standpoint; kinds that look down on things stand on the highest ground within some steps.
 Vec3d eye_at(ViewTerrain& terrain, const Standpoint& point) {
     double x = point.x_m, y = point.y_m;
@@ -240,6 +254,7 @@ Vec3d eye_at(ViewTerrain& terrain, const Standpoint& point) {
                 }
             }
     }
+    if (point.kind == ViewKind::shore) walk_to_water(terrain, x, y);
     double ground = -1e30;
     for (int j = -2; j <= 2; ++j)
         for (int i = -2; i <= 2; ++i)

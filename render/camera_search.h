@@ -37,10 +37,11 @@ struct ViewMeasures {
     double sunlit = 0.0;         ///< of the ground, what the sun reaches past the hills; of the best views alone
     double light_contrast = 0.0; ///< standard deviation of the light on the ground
     double foreground_contrast = 0.0;
-    double middle_contrast = 0.0; ///< the same from 60 m to 2.5 km: a plain without landforms has little
-    double layers = 0.0;          ///< lands behind lands: mean number of edges of a column behind which it goes deeper
-    double dunes = 0.0;           ///< sand steeper than 0.2, from 60 m to 4 km
-    double blocked = 0.0;         ///< share of the middle columns where the ground within 40 m hides the horizon
+    double foreground_light = 0.0; ///< mean of the light on the ground nearer than 60 m: cosine of its angle
+    double middle_contrast = 0.0;  ///< the same from 60 m to 2.5 km: a plain without landforms has little
+    double layers = 0.0;           ///< lands behind lands: mean number of edges of a column behind which it goes deeper
+    double dunes = 0.0;            ///< sand steeper than 0.2, from 60 m to 4 km
+    double blocked = 0.0;          ///< share of the middle columns where the ground within 40 m hides the horizon
     double sun_off_axis_deg = 0.0;
     int materials = 0; ///< that fill a twentieth of the picture or more
 };

@@ -175,6 +175,7 @@ ViewMeasures measure_view(const Panorama& panorama, const CameraPose& pose, doub
     m.light_contrast = light.deviation();
     m.middle_contrast = middle_light.deviation();
     m.foreground_contrast = near_light.deviation();
+    m.foreground_light = near_light.mean();
     // A far skyline that fills only a corner does not make a range.
     m.far_relief_deg = far_line.deviation() * std::min(1.0, 3.0 * far_line.n / std::max(line.n, 1.0));
     m.layers /= std::max(1.0, line.n);
@@ -257,12 +258,13 @@ double score_view(ViewKind kind, const ViewMeasures& m) {
     case ViewKind::shore:
         gate *= rising(m.water, 0.05, 0.12) * rising(m.near_water, 0.002, 0.02);
         add(2.0, plateau(m.water, 0.05, 0.12, 0.30, 0.50));
-        add(1.5, plateau(m.near_water, 0.0, 0.02, 0.15, 0.35));
+        add(1.5, plateau(m.near_water, 0.0, 0.07, 0.20, 0.40));
         add(2.0, rising(m.water - m.near_water, 0.03, 0.10));    // a lake and not the bend of a stream
         add(1.0, plateau(m.water_lean, 0.05, 0.30, 0.80, 1.10)); // it leads into the picture and does not bar it
-        add(0.6, plateau(m.near_ground - m.near_water, 0.02, 0.06, 0.30, 0.60));
+        add(1.5, plateau(m.near_ground - m.near_water, 0.02, 0.05, 0.15, 0.30));
+        add(0.6, rising(m.foreground_light, 0.08, 0.20));
         add(1.6, rising(m.skyline_top_deg, 1.5, 7.0));
-        add(1.0, plateau(m.far_lit, 0.15, 0.5, 0.9, 1.05));
+        add(1.6, plateau(m.far_lit, 0.10, 0.4, 0.9, 1.05));
         break;
     case ViewKind::canyon:
         gate *= rising(m.steep, 0.01, 0.05);

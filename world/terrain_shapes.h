@@ -95,7 +95,7 @@ SAHEL_HD void lake_shape(const LakeSite& site, float dx, float dy, float coarse,
     const float r =
         r0 * max2(1.0f + 0.40f * coarse * sstep(0.1f, 0.6f, r0) + 0.17f * fine + 0.09f * coves, k_lake_shrink);
     const float r2 = r * r;
-    const float bowl = site.level_m - site.depth_m * (1.0f - r2 * r2);
+    const float bowl = site.level_m - site.depth_m * (1.0f - r2);
     const float rim = site.level_m + 0.05f * site.radius_m * (r - 1.0f) * r;
     const float profile = r < 1.0f ? bowl : rim;
     height = r <= 2.2f ? mix1(profile, height, sstep(0.95f, 2.2f, r)) : height;
@@ -175,7 +175,7 @@ SAHEL_HD float stream_waters(float distance_m, float half_m, float patches) {
 /// that blew there: streams carry it away, and leave `sand` on bars beside them. `noise` of some 70 m.
 SAHEL_HD void stream_bed(float side_m, float half_m, float level_m, float lake, float spacing_m, float noise,
                          float& height, float& table_m, float& dune_sand, float& sand) {
-    const float wide = max2(half_m * (1.0f + 0.45f * noise), 0.55f * spacing_m);
+    const float wide = max2(half_m * max2(1.0f + 0.8f * noise, 0.7f), 0.55f * spacing_m);
     const float a = abs1(side_m), u = a / wide;
     const float share = stream_share(half_m);
     const float dig = sstep(k_least_half_m, 2.8f, half_m); // no bed deeper than the water that fills it
@@ -190,7 +190,7 @@ SAHEL_HD void stream_bed(float side_m, float half_m, float level_m, float lake, 
     table_m = wet ? max2(table_m, level_m) : table_m;
     dune_sand *= 1.0f - share * (1.0f - sstep(wide + 2.0f, wide + 16.0f, a));
     // Bars lie now on this bank, now on that one.
-    const float bar = wide + 1.0f + 22.0f * max2((side_m < 0.0f ? noise : -noise) + 0.04f, 0.0f);
+    const float bar = wide - 2.0f + 34.0f * max2((side_m < 0.0f ? noise : -noise) + 0.02f, 0.0f);
     sand = max2(sand, share * (1.0f - sstep(bar, bar + 3.0f, a)));
 }
 

@@ -247,8 +247,8 @@ void append(const std::vector<Point>& line, const LakeSite& lake, float half_m, 
         const float s = static_cast<float>(i) * k_piece_m;
         const float away = std::sqrt(p.x_m * p.x_m + p.y_m * p.y_m) / lake.radius_m;
         const float mouth = 1.0f + 0.8f * sstep(1.35f, 0.95f, away);
-        const float pools = 1.0f + 0.24f * sin_turns(s / 370.0f + static_cast<float>(hash & 0xFFu) / 256.0f) +
-                            0.14f * sin_turns(s / 149.0f + static_cast<float>(hash >> 8 & 0xFFu) / 256.0f);
+        const float pools = 1.0f + 0.32f * sin_turns(s / 370.0f + static_cast<float>(hash & 0xFFu) / 256.0f) +
+                            0.2f * sin_turns(s / 149.0f + static_cast<float>(hash >> 8 & 0xFFu) / 256.0f);
         return half_m * mouth * pools * mix1(1.0f, narrows, s / length) * clamp01((length - s) / k_seep_m);
     };
     for (int i = 0; i + 1 < n; ++i) {

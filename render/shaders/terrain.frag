@@ -34,7 +34,7 @@ vec3 ripples(vec2 q, vec2 along, vec2 phase, vec2 strength, float steep, vec4 fo
     float f2 = 2.0 * k_pi * (u / 2.3 + phase.y) + atan(fork.w, fork.z);
     float r1 = cos(f1 + 0.55 * sin(f1)), r2 = cos(f2 + 0.5 * sin(f2));
     strength *= smoothstep(vec2(0.0), vec2(0.05), vec2(length(fork.xy), length(fork.zw)));
-    return vec3(along * (strength.x * r1 * steep + 0.068 * strength.y * r2),
+    return vec3(along * (strength.x * r1 * steep + 0.050 * strength.y * r2),
                 0.15 * strength.x * (0.5 + 0.5 * sin(f1)) + 0.05 * strength.y * (0.5 + 0.5 * sin(f2)));
 }
 vec3 simulated_ripples(int direction, vec2 q, vec2 strength, float steep, vec4 fork) {
@@ -118,7 +118,7 @@ void main() {
     sand_colour *= 1.0 + 0.30 * v3 + 0.20 * v2 + 0.16 * v1;
     vec3 soil_colour = mix(vec3(0.33, 0.225, 0.135), vec3(0.43, 0.305, 0.185), smoothstep(-0.2, 0.2, v4)) * (1.0 + 0.42 * v3 + 0.20 * v2 + 0.42 * v1);
     // Stony plains are darker and redder: wind took the fine grains.
-    soil_colour = mix(soil_colour, vec3(0.27, 0.165, 0.105) * (1.0 + 0.3 * v3 + 0.5 * v1), 0.85 * smoothstep(-0.08, 0.10, 0.16 * v2 - 0.9 * v3 - 0.9 * v4));
+    soil_colour = mix(soil_colour, vec3(0.29, 0.185, 0.12) * (1.0 + 0.3 * v3 + 0.4 * v2 + 0.6 * v1), 0.75 * smoothstep(-0.08, 0.10, 0.16 * v2 - 0.9 * v3 - 0.9 * v4));
     vec3 humus_colour = vec3(0.115, 0.082, 0.048) * (1.0 + 0.8 * v2 + 0.7 * v1);
     // Behind the beach roots reach the water: grass in patches, thinning out within some 50 m.
     float lush = shore_near ? smoothstep(4.0, 13.0, shore + 10.0 * v2 + 12.0 * v3) *
@@ -127,7 +127,7 @@ void main() {
     float damp = min(1.0, material.b + 0.55 * lush);
     float litter = material.g + 0.75 * lush + 0.5 * v2 + 0.25 * v3 + 0.2 * v1;
     float dryness = clamp(0.55 + 0.5 * (1.0 - smoothstep(0.35, 0.95, litter)) - 0.75 * damp + 1.1 * v3 + 0.9 * v2 + 0.35 * grey, 0.0, 1.0);
-    vec3 green_colour = mix(vec3(0.105, 0.128, 0.040), vec3(0.25, 0.20, 0.085), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
+    vec3 green_colour = mix(vec3(0.128, 0.140, 0.048), vec3(0.26, 0.21, 0.09), dryness) * (1.0 + 0.5 * v2 + 0.6 * v1);
 
     // Thin drifts lie on level dry ground, too thin for the layers.
     float drift = smoothstep(-0.14, 0.06, 0.9 * v3 + 0.28 * v2 + 1.2 * v4 + 0.12 * v1) * (1.0 - smoothstep(0.03, 0.10, slope)) *
@@ -136,11 +136,19 @@ void main() {
     sand *= 1.0 - 0.9 * lush;
     float humus = smoothstep(0.25, 0.60, litter) * (1.0 - sand * mix(0.85, 1.0, smoothstep(0.5, 0.8, material.r)));
     vec3 albedo = mix(soil_colour, sand_colour, sand);
-    float grassy = smoothstep(0.25, 0.62, damp * 0.8 + 0.4 * v2 + 0.3 * v1 + 0.18);
+    float grassy = smoothstep(0.28, 0.78, damp * 0.8 + 0.4 * v2 + 0.5 * v3 + 0.3 * v1 + 0.18);
     // Bushes stand in the grass, denser where it is wet: a darker green, and a shadow at their foot.
-    float bush = smoothstep(0.07, 0.12, v2 + 0.25 * v1 + 0.25 * v3 + 0.10 * (damp - 0.7)) * smoothstep(0.3, 0.6, damp);
+    float bush = smoothstep(0.07, 0.12, v2 + 0.25 * v1 + 0.6 * v3 + 0.4 * v4 + 0.10 * (damp - 0.8)) * smoothstep(0.3, 0.6, damp);
     vec3 bush_colour = vec3(0.045, 0.068, 0.022) * (1.0 + 1.1 * v1);
-    albedo = mix(albedo, mix(humus_colour, mix(green_colour, bush_colour, 0.85 * bush), grassy), humus);
+    albedo = mix(albedo, mix(humus_colour, mix(green_colour, bush_colour, 0.75 * bush), grassy), humus);
+    // From near grass is tufts with dark gaps between them.
+    vec2 g_tuft = vec2(0.0);
+    if (fine * humus > 0.01) {
+        vec4 tuft = noise_at(noise_phase[0].xy * 3.0 + p * 1.29, 1.29, w);
+        float strength = fine * humus * grassy;
+        albedo *= 1.0 + strength * (1.5 * (tuft.b - 0.5) - 0.5 * smoothstep(0.55, 0.75, tuft.a) + 0.06);
+        g_tuft = strength * (tuft.rg - 0.5);
+    }
     float bare = smoothstep(0.10, 0.26, slope + 0.16 * v2 + 0.10 * v3 - 0.10 * sand - 0.05 * humus) * (1.0 - 0.9 * sand * smoothstep(0.5, 0.8, material.r));
     bare = max(bare, 0.85 * smoothstep(0.35, 0.85, water.y + 0.5 * v2 + 0.3 * v3) * (1.0 - sand));
     albedo = mix(albedo, rock_colour, bare);
@@ -159,9 +167,9 @@ void main() {
     // Bump. On walls the horizontal gradient turns into a vertical one.
     vec3 n = ground_n;
     n.xz -= g_mid * (bare * 0.75 + 0.10 + 0.25 * (1.0 - sand) * (1.0 - bare)) * (1.0 - 0.6 * snow) +
-            g_fine * (0.55 * bare + 0.35 * (1.0 - sand) + 0.10);
+            g_fine * (0.55 * bare + 0.35 * (1.0 - sand) + 0.10) + g_tuft * 0.9;
     n.y -= wall * bare * (0.9 * (n2.g - 0.5) + 0.5 * g_fine.y);
-    n.xz -= grain(p, w) * (1.0 - snow) * 0.32 * (1.0 - 0.5 * smoothstep(600.0, 3000.0, d));
+    n.xz -= grain(p, w) * (1.0 - snow) * (0.32 - 0.14 * sand) * (1.0 - 0.5 * smoothstep(600.0, 3000.0, d));
 
     // Wind ripples, two wavelengths, each gone before a pixel would skip it.
     float footprint = d * screen.w / sqrt(max(0.04, dot(view, ground_n)));
@@ -176,7 +184,7 @@ void main() {
         // In patches, as wind finds loose sand; where it is firm they are faint.
         float loose = smoothstep(-0.10, 0.16, v3 + 0.5 * v2 + 0.7 * v4);
         float steep = (0.5 + 0.5 * loose) * (0.12 + 0.15 * n2.a);
-        a2 *= 0.65 + 0.35 * loose;
+        a2 *= (0.65 + 0.35 * loose) * mix(0.5, 1.0, smoothstep(0.4, 0.95, material.r)) * (shore_near ? 0.5 : 1.0); // low on thin and on damp sand
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
         vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
         if (dot(blown, blown) < 0.09) {
@@ -218,7 +226,8 @@ void main() {
         albedo *= 1.0 - sand * lines * (0.42 + 0.4 * bits);
         n.xz -= sand * lines * 0.5 * g_fine;
     }
-    float wet = shore_near ? (1.0 - smoothstep(0.2, 2.6, shore + 2.0 * v2)) : 0.0;
+    // Waves keep the sand wet, and for some steps more it is damp.
+    float wet = shore_near ? max(1.0 - smoothstep(0.8, 3.4, shore + 3.0 * v3 + 2.0 * v2), 0.4 * (1.0 - smoothstep(3.0, 6.5, shore + 6.0 * v3 + 2.0 * v2))) : 0.0;
     albedo *= mix(1.0, 0.42, wet * 0.95);
     albedo *= 1.0 - 0.22 * material.b * material.b * (1.0 - wet) * (1.0 - sand) * (1.0 - bare);
     if (water.x > 0.0) albedo *= vec3(0.80, 0.88, 0.80);
@@ -231,6 +240,11 @@ void main() {
     vec3 around = ambient(n) * open_sky + light_ground.rgb * (1.25 * (1.0 - bake.g) + 0.22 * (0.5 + slope));
     vec3 c = albedo / k_pi * (lit * lambert * facing + around * k_pi);
     c += sand_colour * 0.06 * pow(1.0 - max(0.0, dot(n, view)), 5.0) * sand * lit * lambert;
-    c += wet * 0.05 * pow(max(0.0, dot(n, normalize(view + sun.xyz))), 60.0) * lit;
+    if (wet > 0.3) { // a film of water mirrors the sky
+        float film = smoothstep(0.45, 0.9, wet) * (0.02 + 0.98 * pow(1.0 - max(0.0, dot(normalize(ground_n + 0.3 * n), view)), 5.0));
+        vec3 mirrored = reflect(-view, ground_n);
+        c = mix(c, sky_radiance(vec3(mirrored.x, max(mirrored.y, 0.02), mirrored.z)), 0.3 * film * (1.0 - smoothstep(0.01, 0.08, water.x * k_water_scale_m)));
+        c += wet * 0.05 * pow(max(0.0, dot(n, normalize(view + sun.xyz))), 60.0) * lit;
+    }
     colour = vec4(c * air_kept + air_added, 1.0);
 }

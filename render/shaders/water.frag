@@ -119,8 +119,8 @@ void main() {
 
     // Waves break on a slope, not over flats.
     float grade = (abs(dFdx(depth)) + abs(dFdy(depth))) / (length(dFdx(p)) + length(dFdy(p)) + 1e-4);
-    float foam = smoothstep(0.012, 0.04, grade) * (1.0 - smoothstep(0.02, 0.22, depth)) * smoothstep(0.50, 0.72, b.b + 0.175 * sin(depth * 38.0 - time * 1.1 + 6.0 * e.b));
-    c = mix(c, vec3(0.75) * light / k_pi, foam * 0.35);
+    float foam = smoothstep(0.006, 0.025, grade) * (1.0 - smoothstep(0.015, 0.10, depth)) * smoothstep(0.42, 0.64, b.b + 0.175 * sin(depth * 38.0 - time * 1.1 + 6.0 * e.b));
+    c = mix(c, vec3(0.75) * light / k_pi, foam * 0.45);
     c = c * air_kept + air_added;
     colour = vec4(mix(texture(ground_colour, screen_uv).rgb, c, smoothstep(-0.02, 0.10, depth)), 1.0);
 }

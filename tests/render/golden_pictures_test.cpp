@@ -19,8 +19,12 @@ struct Golden {
     const char* preset;
     double x_m, y_m, height_m, yaw_deg, pitch_deg;
 };
+void PrintTo(const Golden& golden, std::ostream* out) {
+    *out << golden.name;
+}
 const std::vector<Golden> k_goldens = {
     {"oasis", "oasis", -9000.0, -7000.0, 9.0, 20.0, -5.0},
+    {"stream", "oasis", -26900.0, -42500.0, 40.0, 68.0, -12.0},
     {"dunes", "dunes", 600.0, -300.0, 8.0, 75.0, -5.0},
     {"canyon", "canyon", 2200.0, 1500.0, 60.0, -140.0, -7.0},
 };

@@ -82,6 +82,27 @@ TEST(ViewScore, TellsALakeThatThePictureCuts) {
     EXPECT_LT(score_view(ViewKind::high, same), score_view(ViewKind::high, whole));
 }
 
+TEST(ViewScore, AShoreLeadsIntoThePictureAndIsThatOfALake) {
+    const auto water_where = [](bool (*wet)(double x, double y)) {
+        return [wet](double x, double y) { return wet(x, y) ? 3.0 : 0.0; };
+    };
+    const auto seen = [](const Land& land) {
+        ViewTerrain terrain(land);
+        const CameraPose pose{.eye_m = {0.0, 0.0, 6.0}, .yaw_deg = 0.0, .pitch_deg = -4.0};
+        return measure_view(cast_panorama(terrain, pose.eye_m, 8000.0), pose, 90.0, 12.0);
+    };
+    const ViewMeasures across = seen(Land(plain, water_where([](double x, double) { return x > 30.0; })));
+    const ViewMeasures aside = seen(Land(plain, water_where([](double, double y) { return y > 8.0; })));
+    const ViewMeasures stream = seen(Land(plain, water_where([](double, double y) { return y > 8.0 && y < 22.0; })));
+    EXPECT_LT(across.water_lean, 0.1);
+    EXPECT_GT(aside.water_lean, 0.9);
+    ViewMeasures leaning = across;
+    leaning.water_lean = 0.6;
+    EXPECT_GT(score_view(ViewKind::shore, leaning), score_view(ViewKind::shore, across));
+    EXPECT_GT(aside.water - aside.near_water, 2.0 * (stream.water - stream.near_water));
+    EXPECT_GT(score_view(ViewKind::shore, aside), score_view(ViewKind::shore, stream));
+}
+
 TEST(ViewScore, TellsWhetherTheFarSlopesFaceTheSun) {
     const Land wall([](double x, double) { return std::clamp(0.5 * (x - 2000.0), 0.0, 400.0); });
     EXPECT_GT(look_east(wall, 180.0).far_lit, 0.9); // the sun behind the eye
