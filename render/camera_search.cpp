@@ -231,8 +231,13 @@ void walk_to_water(ViewTerrain& terrain, double& x_m, double& y_m) {
         for (int i = 0; i < 24; ++i) {
             const double angle = i * std::numbers::pi / 12.0, c = std::cos(angle), s = std::sin(angle);
             if (terrain.at(1, x_m + d * c, y_m + d * s).material != ViewMaterial::water) continue;
-            x_m += (d - k_from_water_m) * c;
-            y_m += (d - k_from_water_m) * s;
+            // Back from the water, as far as the ground there is dry.
+            double to = d - k_step_m;
+            while (to > d - k_from_water_m &&
+                   terrain.at(1, x_m + (to - k_step_m) * c, y_m + (to - k_step_m) * s).material != ViewMaterial::water)
+                to -= k_step_m;
+            x_m += to * c;
+            y_m += to * s;
             return;
         }
 }

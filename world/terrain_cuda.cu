@@ -9,6 +9,7 @@
 #include "world/terrain_layout.h"
 #include "world/terrain_spline_rows.h"
 #include "world/terrain_streams.h"
+#include "world/terrain_water_rows.h"
 
 #include <algorithm>
 #include <vector>

@@ -123,7 +123,7 @@ SAHEL_HD float wadi_sand(float line_m, float slope, float mountain, float canyon
 }
 
 /// Lakes end at this many radii; up to there their ground is at least a low bank around them, so that no water stands
-/// above dry ground. The bank goes on under the water, as steep as the bowl of a lake 15 m deep: where nodes cut a cove
+/// above dry ground. The bank goes on under the water, steeper than the bowls of lakes: where nodes cut a cove
 /// short it ends in a beach and not in a step, which would draw the shore as a staircase of cells.
 inline constexpr float k_lake_end = 1.35f;
 inline constexpr float k_lake_bank_m = 0.3f;

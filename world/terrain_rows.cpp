@@ -4,6 +4,7 @@
 #include "world/terrain_mid_rows.h"
 #include "world/terrain_node_rows.h"
 #include "world/terrain_spline_rows.h"
+#include "world/terrain_water_rows.h"
 
 // Row kernels of the base terrain on the CPU: compiled once per instruction set (cpu_features.h).
 namespace sahel::SAHEL_ISA_NAMESPACE {

@@ -85,8 +85,8 @@ SAHEL_HD float wetland_height(const BaseTerrainParams& p, const LandSample& s) {
 
 // --- lakes ---
 
-inline constexpr float k_watered = 0.42f;     ///< mean  wetness beside water
-inline constexpr float k_lake_shrink = 0.75f; ///< so beyond 3 radii a lake changes nothing
+inline constexpr float k_watered = 0.42f;     ///< mean wetness beside water
+inline constexpr float k_lake_shrink = 0.75f; ///< so beyond 3 radii `lake` is 2.25 at least: what reads it ends there
 
 /// One lake at (dx, dy) from its site: bowl and rim, the distance in radii, its level.
 SAHEL_HD void lake_shape(const LakeSite& site, float dx, float dy, float coarse, float fine, float coves, float& height,
@@ -108,7 +108,8 @@ SAHEL_HD float watered(float wetness, float near, float patches) {
     return wetness + near * max2(k_watered + 0.8f * patches - wetness, 0.0f);
 }
 SAHEL_HD float lake_waters(float lake, float coarse, float fine) {
-    return (1.0f - sstep(1.05f, 2.2f, lake + 0.9f * coarse + 0.6f * fine)) * (1.0f - sstep(2.3f, k_no_lake, lake));
+    return (1.0f - sstep(1.05f, 2.2f, lake + 0.9f * coarse + 0.6f * fine)) *
+           (1.0f - sstep(1.6f, k_no_lake * k_lake_shrink, lake));
 }
 
 /// Share of a lake in what happens at `lake` radii: nothing carves its bowl.

@@ -33,13 +33,15 @@ constexpr float k_most_fall = 0.024f;    // steeper land has no stream
 constexpr float k_below_banks_m = 1.2f;  // water under the land
 constexpr float k_deepest_cut_m = 12.0f; // of the valley into the land
 constexpr float k_highest_fill_m = 2.0f; // of its floor above the land
-constexpr float k_shortest_m = 700.0f;   // a shorter stream is none
+constexpr float k_shortest_m = 700.0f;   // a way scored lower is none: its length, less what it cuts and fills
 constexpr float k_other_way_m = 450.0f;  // between the stream that comes and the one that leaves
 constexpr float k_piece_m = 24.0f;
-constexpr float k_seep_m = 260.0f; // length of the end on which a stream narrows to nothing
+constexpr float k_narrowest_m = 2.8f;     // half of the width: nodes are 16 m apart
+constexpr float k_dune_as_high_m = 14.0f; // by which dunes count as higher land
+constexpr float k_seep_m = 260.0f;        // length of the end on which a stream narrows to nothing
 
 struct Land {
-    std::array<float, k_points> height, avoid; // m; avoid: m by which dunes and canyons count as higher
+    std::array<float, k_points> height, avoid; // m; avoid: m by which dunes count as higher
     std::array<bool, k_points> open;           // a stream may pass
 };
 
@@ -75,7 +77,7 @@ void read_land(const TerrainTables& t, const TerrainKernels& kernels, const Lake
         for (int i = 0; i < k_side; ++i) {
             const auto at = static_cast<size_t>(j * k_side + i);
             land.height[at] = row.height[i];
-            land.avoid[at] = 14.0f * dune[i];
+            land.avoid[at] = k_dune_as_high_m * dune[i];
             land.open[at] = canyon[i] < 0.3f && from_site_m(i, j) < k_furthest_m;
         }
     }
@@ -119,7 +121,7 @@ std::vector<Point> find_way(const LakeSite& lake, const Land& land, float rise, 
     queue.emplace(lake.level_m, k_start);
     const auto is_taken = [&](float x, float y) {
         if (taken.empty()) return false;
-        // On the other side of the lake, and never near.
+        // At least 60 degrees away as seen from the lake, and never near.
         if (x * taken.back().x_m + y * taken.back().y_m >
             0.5f * std::sqrt((x * x + y * y) *
                              (taken.back().x_m * taken.back().x_m + taken.back().y_m * taken.back().y_m)))
@@ -249,7 +251,8 @@ void append(const std::vector<Point>& line, const LakeSite& lake, float half_m, 
         const float mouth = 1.0f + 0.8f * sstep(1.35f, 0.95f, away);
         const float pools = 1.0f + 0.32f * sin_turns(s / 370.0f + static_cast<float>(hash & 0xFFu) / 256.0f) +
                             0.2f * sin_turns(s / 149.0f + static_cast<float>(hash >> 8 & 0xFFu) / 256.0f);
-        return half_m * mouth * pools * mix1(1.0f, narrows, s / length) * clamp01((length - s) / k_seep_m);
+        return std::max(half_m * mouth * pools * mix1(1.0f, narrows, s / length), k_narrowest_m) *
+               clamp01((length - s) / k_seep_m);
     };
     for (int i = 0; i + 1 < n; ++i) {
         const Point &a = line[static_cast<size_t>(i)], &b = line[static_cast<size_t>(i + 1)];

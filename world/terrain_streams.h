@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <vector>
 
-/// Streams of the base terrain: one that feeds a lake and, for some lakes, one that leaves it and seeps away.
+/// Streams of the base terrain: one that feeds a lake and, for most lakes, one that leaves it and seeps away.
 ///
 /// A stream is a pure function of the site of its lake, like the lake itself: on a lattice of 128 m around the site the
 /// land is flooded from the lake upwards (priority-flood, Barnes, Lehman and Mulla 2014), each place remembering the
-/// lowest way down; the longest way that rises steadily becomes the stream, then meanders. Its water falls everywhere
-/// towards the lake. Streams of two lakes never meet: each keeps to the places that are nearer to its own site than to
-/// any other site, by a margin.
+/// lowest way down; the longest way that rises steadily becomes the stream, then meanders; for the one that leaves, the
+/// other way round. Water falls all along a stream. Streams of two lakes never meet: each keeps to the places that are
+/// nearer to its own site than to any other site, by a margin.
 namespace sahel {
 
 /// Whether cells of a level show streams.

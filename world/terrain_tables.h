@@ -61,8 +61,8 @@ enum class SumField : int {
 };
 inline constexpr int k_sum_fields = static_cast<int>(SumField::count_);
 
-/// Fields evaluated at nodes. Those up to `lake_level` reach the cells by a spline of their own; the rest goes into the
-/// middle pass.
+/// Fields evaluated at nodes. Those that cells read (Piece::plan) reach them by a spline of their own; the rest goes
+/// into the middle pass.
 enum class NodeField : int {
     height,  ///< m
     slope_x, ///< of the height, per m
@@ -77,8 +77,8 @@ enum class NodeField : int {
     mega_sin,
     mega_cos,
     supply,       ///< noise
-    lake,         ///< distance from the lake's centre in radii, at most k_no_lake
-    lake_level,   ///< m, where lake < k_no_lake
+    lake,         ///< distance from the lake's centre in radii, at most k_no_lake; less beside streams
+    lake_level,   ///< m, where lake < k_lake_end
     wadi,         ///< signed distance to the line of the wadi, m
     channel,      ///< the same of a wetland channel
     strata,       ///< shift of the strata, m

@@ -184,7 +184,7 @@ void main() {
         // In patches, as wind finds loose sand; where it is firm they are faint.
         float loose = smoothstep(-0.10, 0.16, v3 + 0.5 * v2 + 0.7 * v4);
         float steep = (0.5 + 0.5 * loose) * (0.12 + 0.15 * n2.a);
-        a2 *= (0.65 + 0.35 * loose) * mix(0.5, 1.0, smoothstep(0.4, 0.95, material.r)) * (shore_near ? 0.5 : 1.0); // low on thin and on damp sand
+        a2 *= (0.65 + 0.35 * loose) * mix(0.5, 1.0, smoothstep(0.4, 0.95, material.r)) * (shore_near ? mix(0.5, 1.0, smoothstep(20.0, 55.0, shore)) : 1.0); // low on thin and on damp sand
         vec2 blown = a1 + a2 > 0.0 ? wind_of(textureLod(tile_wind, place.uv, place.lod - 1.0)) : vec2(0.0);
         vec3 bumps = vec3(0.0); // xy: gradient; z: darker troughs
         if (dot(blown, blown) < 0.09) {

@@ -21,7 +21,7 @@ using test::find_walls;
 using test::read_rect;
 using test::terrain_of;
 
-constexpr int64_t k_reach = 2 * 40000; // half metres
+constexpr int64_t k_reach_half_m = 2 * 40000;
 
 struct Stream {
     LakeSite lake;
@@ -30,7 +30,8 @@ struct Stream {
 
 std::vector<LakeSite> lakes_of(const BaseTerrain& terrain) {
     std::vector<LakeSite> lakes;
-    find_lakes(terrain.tables(), isa_base::terrain_kernels(), -k_reach, -k_reach, k_reach, k_reach, lakes);
+    find_lakes(terrain.tables(), isa_base::terrain_kernels(), -k_reach_half_m, -k_reach_half_m, k_reach_half_m,
+               k_reach_half_m, lakes);
     return lakes;
 }
 
@@ -61,7 +62,7 @@ double from_lake_m(const StreamPiece& p, const LakeSite& lake) {
 }
 
 class TerrainStreams : public testing::TestWithParam<std::string_view> {};
-INSTANTIATE_TEST_SUITE_P(Presets, TerrainStreams, testing::Values("oasis", "mountains"),
+INSTANTIATE_TEST_SUITE_P(Presets, TerrainStreams, testing::Values("oasis", "mountains", "canyon"),
                          [](const auto& preset) { return std::string(preset.param); });
 
 TEST_P(TerrainStreams, ManyLakesHaveOneThatFallsToThemOrAwayFromThem) {
@@ -74,7 +75,7 @@ TEST_P(TerrainStreams, ManyLakesHaveOneThatFallsToThemOrAwayFromThem) {
             const StreamPiece &first = stream.pieces.front(), &last = stream.pieces.back();
             EXPECT_LT(from_lake_m(first, lake), 0.5 * lake.radius_m);
             EXPECT_EQ(first.level_m, lake.level_m);
-            EXPECT_NEAR(last.half_end_m, 0.0f, 0.5f); // ends gently
+            EXPECT_LT(last.half_m, 2.5f); // ends gently
             const bool rises = last.level_end_m > lake.level_m;
             (rises ? fed : drained) += 1;
             double length = 0.0;
@@ -92,9 +93,12 @@ TEST_P(TerrainStreams, ManyLakesHaveOneThatFallsToThemOrAwayFromThem) {
                 "steepest %.3f\n",
                 std::string(GetParam()).c_str(), lakes.size(), 100.0 * fed / count, 100.0 * drained / count, longest_m,
                 steepest);
-    EXPECT_GT(fed, 0.3 * count);
-    EXPECT_GT(drained, 0.1 * count);
-    EXPECT_LT(drained, fed);
+    if (lakes.size() > 20) {
+        EXPECT_GT(fed, 0.85 * count);
+        EXPECT_GT(drained, 0.4 * count);
+    }
+    EXPECT_LT(longest_m, 5500.0);
+    EXPECT_GT(fed, drained);
     EXPECT_LT(steepest, 0.06); // 0.024 where the way is planned; inside bends it is shorter
 }
 
@@ -156,9 +160,9 @@ TEST_P(TerrainStreams, WaterStandsInTheBedFromEndToEndAndNowhereAboveItsBanks) {
     std::printf("  %s: %lld places on middle lines, %lld dry; water at most %.3f m above dry ground beside it\n",
                 std::string(GetParam()).c_str(), static_cast<long long>(places), static_cast<long long>(dry),
                 walls.highest_m);
-    EXPECT_GT(places, 200);
+    EXPECT_GT(places, 40); // the canyon has two lakes
     EXPECT_EQ(dry, 0);
-    // The surface slopes by at most 0.024 along a stream: so much lower a dry cell beside it may lie.
+    // The surface slopes: a dry cell beside it may lie lower by that. Found: 2.6 cm.
     EXPECT_LE(walls.highest_m, 0.035);
 }
 
@@ -191,6 +195,27 @@ TEST_P(TerrainStreams, AnyRectangleFindsThePiecesThatReachIt) {
             found += static_cast<int>(expected.size());
         }
     EXPECT_GT(found, 100);
+}
+
+// The shape of a lake reaches three radii, and rectangles that lie farther away do not ask it.
+TEST(TerrainLakes, ChangeNothingBeyondTheirReach) {
+    const BaseTerrain terrain = terrain_of("oasis");
+    int looked_at = 0;
+    for (const LakeSite& lake : lakes_of(terrain)) {
+        if (++looked_at > 40) break;
+        const int64_t x = floor_div(lake.x_half_m, 2), y = floor_div(lake.y_half_m, 2);
+        const auto near = static_cast<int64_t>(2.8f * lake.radius_m), far = static_cast<int64_t>(3.0f * lake.radius_m);
+        for (const int64_t side : {-1, 1}) {
+            const auto strip = [&](int64_t from) {
+                const int64_t a = x + side * from, b = x + side * (far + 300);
+                return CellRect{std::min(a, b), y - 40, std::max(a, b), y + 40};
+            };
+            EXPECT_EQ(
+                test::count_differences(read_rect(terrain, 0, strip(near)), read_rect(terrain, 0, strip(far + 100))), 0)
+                << looked_at;
+        }
+    }
+    EXPECT_GT(looked_at, 20);
 }
 
 TEST(TerrainStreamsOff, NoneWhereThePresetHasNone) {
