@@ -100,7 +100,7 @@ void find_lakes_near(const TerrainTables& t, const TerrainKernels& kernels, int3
     lakes.clear();
     if (level > k_last_lake_level) return;
     const int64_t unit = int64_t{2} << level;
-    int64_t margin = 5 * std::max(unit, int64_t{2 * k_node_spacing_m}); // nodes lie up to five spacings outside
+    int64_t margin = node_margin_half_m(level);
     if (has_streams(t, level)) margin += static_cast<int64_t>(2.0f * (k_stream_far_m + k_stream_reach_m));
     find_lakes(t, kernels, rect.x0 * unit - margin, rect.y0 * unit - margin, rect.x1 * unit + margin,
                rect.y1 * unit + margin, lakes);

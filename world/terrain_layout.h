@@ -4,6 +4,7 @@
 #include "world/terrain_rows.h"
 #include "world/tile_key.h"
 
+#include <algorithm>
 #include <cstdint>
 
 /// Where the lattices of the base terrain lie for a rectangle of cells.
@@ -64,6 +65,11 @@ inline constexpr int32_t k_mids_per_node = k_node_spacing_m / k_mid_spacing_m;
 inline constexpr int32_t k_spline_margin = 2; ///< nodes around those the spline reads: slopes, sharpening
 
 inline constexpr int32_t k_mid_margin = 1; ///< the same of the middle pass: sharpening
+
+/// How far outside a rectangle of cells its nodes lie, half metres: up to five spacings.
+inline int64_t node_margin_half_m(int32_t level) {
+    return 5 * std::max(int64_t{2} << level, int64_t{2 * k_node_spacing_m});
+}
 
 /// The sums that nodes need: four taps and one more on each side for sharpening.
 inline LatticeAxis sum_axis(const LatticeAxis& node) {

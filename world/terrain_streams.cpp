@@ -309,7 +309,7 @@ void find_streams_near(const TerrainTables& t, const TerrainKernels& kernels, in
     pieces.clear();
     if (!has_streams(t, level)) return;
     const int64_t unit = int64_t{2} << level;
-    const int64_t margin = 5 * std::max(unit, int64_t{2 * k_node_spacing_m}); // as for lakes
+    const int64_t margin = node_margin_half_m(level);
     const int64_t x0 = rect.x0 * unit - margin, x1 = rect.x1 * unit + margin;
     const int64_t y0 = rect.y0 * unit - margin, y1 = rect.y1 * unit + margin;
     constexpr auto k_far = static_cast<int64_t>(2.0f * (k_stream_far_m + k_stream_reach_m));

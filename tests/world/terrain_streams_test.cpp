@@ -1,6 +1,7 @@
 #include "world/terrain_streams.h"
 
 #include "terrain_test_util.h"
+#include "world/cpu_features.h"
 #include "world/terrain_lakes.h"
 #include "world/tile_key.h"
 
@@ -164,6 +165,30 @@ TEST_P(TerrainStreams, WaterStandsInTheBedFromEndToEndAndNowhereAboveItsBanks) {
     EXPECT_EQ(dry, 0);
     // The surface slopes: a dry cell beside it may lie lower by that. Found: 2.6 cm.
     EXPECT_LE(walls.highest_m, 0.035);
+}
+
+TEST_P(TerrainStreams, SameBitsForAnyRectangleAndInstructionSet) {
+    const BaseTerrain terrain = terrain_of(GetParam());
+    int looked_at = 0;
+    for (const LakeSite& lake : lakes_of(terrain))
+        for (const Stream& stream : streams_of(terrain, lake)) {
+            if (++looked_at > 4) continue;
+            const StreamPiece& p = stream.pieces[stream.pieces.size() / 2];
+            for (const int32_t level : {0, 1, 2, 3, 4, 5, 6}) {
+                const int64_t x = floor_div(p.x_half_m, 2) >> level, y = floor_div(p.y_half_m, 2) >> level;
+                const CellRect rect{x - 70, y - 30, x + 61, y + 33};
+                const LayerBlock whole = read_rect(terrain, level, rect);
+                for (const CellRect& part : {CellRect{x - 3, y - 2, x + 9, y + 5}, CellRect{x - 70, y, x - 1, y + 33},
+                                             CellRect{x - 300, y - 30, x - 2, y + 200}})
+                    EXPECT_EQ(test::count_differences(whole, read_rect(terrain, level, part)), 0) << level;
+                if (best_isa() == Isa::baseline) continue;
+                set_isa(Isa::baseline);
+                const LayerBlock base = read_rect(terrain, level, rect);
+                set_isa(best_isa());
+                EXPECT_EQ(test::count_differences(whole, base), 0) << level;
+            }
+        }
+    EXPECT_GT(looked_at, 1);
 }
 
 TEST_P(TerrainStreams, AnyRectangleFindsThePiecesThatReachIt) {
