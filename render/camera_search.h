@@ -28,8 +28,7 @@ struct ViewMeasures {
     double near_ground = 0.0, middle = 0.0, far = 0.0;      ///< nearer than 60 m, than 900 m, beyond
     double near_water = 0.0;                                ///< water nearer than 80 m
     double water_cut = 0.0;                                 ///< of the sides and the lower edge, what is water
-    double water_lean =
-        0.0; ///< water nearer than 200 m left of the middle against right of it: 0 alike, 1 all on one side
+    double water_lean = 0.0;     ///< water within 200 m left of the middle against right of it: 1 all on one side
     double dune_flanks = 0.0;    ///< of the sand in the middle, what is steeper than 0.2
     double far_relief_deg = 0.0; ///< standard deviation of the far skyline
     double skyline_top_deg = 0.0, skyline_mean_deg = 0.0;

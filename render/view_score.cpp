@@ -19,9 +19,6 @@ double plateau(double x, double a, double b, double c, double d) {
     if (x > c) return (d - x) / (d - c);
     return 1.0;
 }
-double rising(double x, double from, double to) {
-    return std::clamp((x - from) / (to - from), 0.0, 1.0);
-}
 
 /// Mean and standard deviation, one value at a time.
 struct Spread {
@@ -61,6 +58,10 @@ double edges_of(const Panorama& panorama, int column, int top, int bottom) {
 }
 
 } // namespace
+
+double rising(double x, double from, double to) {
+    return std::clamp((x - from) / (to - from), 0.0, 1.0);
+}
 
 double eye_height_m(ViewKind kind) {
     switch (kind) {

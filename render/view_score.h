@@ -6,6 +6,9 @@
 /// What makes a picture good, in numbers. Used by camera_search.cpp.
 namespace sahel {
 
+/// 0 up to `from`, 1 from `to` on, straight in between.
+double rising(double x, double from, double to);
+
 /// Height of the eye over the ground for a kind of picture, m.
 double eye_height_m(ViewKind kind);
 

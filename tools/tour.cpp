@@ -74,10 +74,6 @@ Result<CameraPath> flight_from(const FoundView& view, double bend, double second
     return flyover_path(o, ground);
 }
 
-double rising(double value, double from, double to) {
-    return std::clamp((value - from) / (to - from), 0.0, 1.0);
-}
-
 /// Mean worth of what the flight sees, the poorest moment counted twice, and how much it changes on the way: ten
 /// seconds over open water show one picture.
 double flight_score(ViewTerrain& terrain, const CameraPath& path, double sun_azimuth_deg, double sun_elevation_deg) {

@@ -77,7 +77,7 @@ SAHEL_ROW void cell_row(const TerrainTables& t, const SampleRow& row, int n, flo
     } else {
         fill_row(n, 0.0f, thickness);
     }
-    const float* bed = mid_of(rows, MidField::bed);
+    const float* __restrict bed = mid_of(rows, MidField::bed);
     const float* __restrict noise = mid_of(rows, MidField::noise);
     if (rows.has_stream) {
         const float* __restrict side = node_of(rows, NodeField::stream);
@@ -93,14 +93,13 @@ SAHEL_ROW void cell_row(const TerrainTables& t, const SampleRow& row, int n, flo
             thickness[x] = dune_sand;
             loose[x] = sand;
         }
-        bed = loose;
     }
 
     const bool sea = t.p.sea != 0;
     const LayerShape shape{sea ? 2.2f * (1.0f - 0.92f * t.p.wetland) : 0.0f, sea ? 0.0f : 0.8f, sea ? 1.0f : 0.0f,
                            sea ? 1.0f : 2.2f};
     const float* __restrict soil = mid_of(rows, MidField::soil);
-    const float* __restrict sand_bed = bed;
+    const float* __restrict loose = rows.has_stream ? rows.scratch[4] : bed;
     float* __restrict rock = rows.rock;
     float* __restrict soil_out = rows.soil;
     float* __restrict sand_out = rows.sand;
@@ -108,7 +107,7 @@ SAHEL_ROW void cell_row(const TerrainTables& t, const SampleRow& row, int n, flo
     SAHEL_VECTORIZE
     for (int x = 0; x < n; ++x) {
         const SurfaceLayers l =
-            shape.split(h[x], slope[x], table[x], lake[x], soil[x], sand_bed[x], noise[x], thickness[x]);
+            shape.split(h[x], slope[x], table[x], lake[x], soil[x], loose[x], noise[x], thickness[x]);
         rock[x] = l.rock;
         soil_out[x] = l.soil;
         sand_out[x] = l.sand;

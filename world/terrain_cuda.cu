@@ -42,6 +42,7 @@ struct DevicePiece {
     DeviceFields coarse, sharp_coarse; // sums at every fourth node
     DeviceFields sum, land, node, sharp, mid, sharp_mid;
 
+    __device__ bool has_lake() const { return lake_count > 0 || stream_count > 0; } // streams hold off what lakes do
     __device__ BaseRow base_row(int32_t x, int32_t y, float (&scratch)[k_row_scratch]) const {
         BaseRow row{};
         for (int f = 0; f < k_sum_fields; ++f) row.sum[f] = sum.at(f, x, y);
@@ -77,7 +78,7 @@ struct DevicePiece {
         for (int i = 0; i < k_row_scratch; ++i) row.scratch[i] = &scratch[i];
         row.has_dune = dune;
         row.has_canyon = canyon;
-        row.has_lake = lake_count > 0 || stream_count > 0;
+        row.has_lake = has_lake();
         return row;
     }
 };
@@ -194,7 +195,7 @@ struct CellKernel {
         row.water = &out[3];
         row.has_dune = p.dune;
         row.has_canyon = p.canyon;
-        row.has_lake = p.lake_count > 0 || p.stream_count > 0;
+        row.has_lake = p.has_lake();
         row.has_stream = p.stream_count > 0;
         isa_cuda::cell_row(*p.tables, l.cell_row(y, x), 1, l.cell_m, row);
         for (int i = 0; i < 4; ++i)

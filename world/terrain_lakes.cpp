@@ -24,18 +24,18 @@ struct Land {
     float relief, canyon, continent, height;
 };
 Land land_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t x, int64_t y) {
-    std::array<float, k_sum_fields + 1 + k_node_fields + k_row_scratch> v{};
-    float* to = v.data();
-    BaseRow row{};
-    for (float*& sum : row.sum) sum = to++;
-    row.height = to++;
-    for (float*& field : row.field) field = to++;
-    for (float*& scratch : row.scratch) scratch = to++;
+    std::array<float, k_base_rows> memory{};
+    const BaseRow row = base_row_in(memory.data(), 1);
     const SampleRow sample{x, y, 32, 0};
     kernels.sums(t, sample, 1, 16.0f, SumRange{}, row);
     kernels.base(t, sample, 1, 16.0f, row);
     return {*row.sum[static_cast<int>(SumField::relief)], *row.field[static_cast<int>(NodeField::canyon)],
             *row.sum[static_cast<int>(SumField::continent)], *row.height};
+}
+
+/// A lake reaches 3 radii (k_no_lake); radii are at most 1.45 lake_radius_m.
+int64_t lake_reach_half_m(const TerrainTables& t) {
+    return static_cast<int64_t>(2.0f * k_no_lake * 1.45f * t.p.lake_radius_m) + 1;
 }
 
 std::optional<LakeSite> lake_at(const TerrainTables& t, const TerrainKernels& kernels, int64_t i, int64_t j) {
@@ -86,8 +86,7 @@ void find_lakes(const TerrainTables& t, const TerrainKernels& kernels, int64_t x
                 std::vector<LakeSite>& lakes) {
     lakes.clear();
     if (t.p.lake_probability <= 0.0f) return;
-    // A lake reaches 3 radii (k_no_lake); radii are at most 1.45 lake_radius_m.
-    const auto reach = static_cast<int64_t>(2.0f * k_no_lake * 1.45f * t.p.lake_radius_m) + 1;
+    const int64_t reach = lake_reach_half_m(t);
     const int64_t i0 = floor_div(x0 - reach, k_lattice), i1 = floor_div(x1 + reach, k_lattice);
     const int64_t j0 = floor_div(y0 - reach, k_lattice), j1 = floor_div(y1 + reach, k_lattice);
     for (int64_t j = j0; j <= j1; ++j)
@@ -99,11 +98,10 @@ void find_lakes_near(const TerrainTables& t, const TerrainKernels& kernels, int3
                      std::vector<LakeSite>& lakes) {
     lakes.clear();
     if (level > k_last_lake_level) return;
-    const int64_t unit = int64_t{2} << level;
-    int64_t margin = node_margin_half_m(level);
-    if (has_streams(t, level)) margin += static_cast<int64_t>(2.0f * (k_stream_far_m + k_stream_reach_m));
-    find_lakes(t, kernels, rect.x0 * unit - margin, rect.y0 * unit - margin, rect.x1 * unit + margin,
-               rect.y1 * unit + margin, lakes);
+    CellRect reach = node_reach_half_m(rect, level);
+    if (has_streams(t, level)) // streams reach farther than their lakes
+        reach = reach.grown(std::max<int64_t>(k_stream_site_half_m - lake_reach_half_m(t), 0));
+    find_lakes(t, kernels, reach.x0, reach.y0, reach.x1, reach.y1, lakes);
 }
 
 } // namespace sahel

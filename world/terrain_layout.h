@@ -66,9 +66,11 @@ inline constexpr int32_t k_spline_margin = 2; ///< nodes around those the spline
 
 inline constexpr int32_t k_mid_margin = 1; ///< the same of the middle pass: sharpening
 
-/// How far outside a rectangle of cells its nodes lie, half metres: up to five spacings.
-inline int64_t node_margin_half_m(int32_t level) {
-    return 5 * std::max(int64_t{2} << level, int64_t{2 * k_node_spacing_m});
+/// World half metres in which the nodes of a rectangle of cells lie: up to five spacings outside of it.
+inline CellRect node_reach_half_m(const CellRect& rect, int32_t level) {
+    const int64_t unit = int64_t{2} << level;
+    return CellRect{rect.x0 * unit, rect.y0 * unit, rect.x1 * unit, rect.y1 * unit}.grown(
+        5 * std::max(unit, int64_t{2 * k_node_spacing_m}));
 }
 
 /// The sums that nodes need: four taps and one more on each side for sharpening.

@@ -44,6 +44,22 @@ struct BaseRow {
     float* scratch[k_row_scratch];
 };
 
+inline constexpr int k_base_rows = k_sum_fields + 1 + k_node_fields + k_row_scratch;
+/// A row of nodes in `memory`: k_base_rows rows of `stride` floats.
+inline BaseRow base_row_in(float* memory, int stride) {
+    const auto take = [&] {
+        float* row = memory;
+        memory += stride;
+        return row;
+    };
+    BaseRow row{};
+    for (float*& sum : row.sum) sum = take();
+    row.height = take();
+    for (float*& field : row.field) field = take();
+    for (float*& scratch : row.scratch) scratch = take();
+    return row;
+}
+
 /// Node fields at the samples of the middle pass; height is not read.
 struct MidRow {
     const float* node[k_node_fields];

@@ -35,6 +35,11 @@ constexpr float k_deepest_cut_m = 12.0f; // of the valley into the land
 constexpr float k_highest_fill_m = 2.0f; // of its floor above the land
 constexpr float k_shortest_m = 700.0f;   // a way scored lower is none: its length, less what it cuts and fills
 constexpr float k_other_way_m = 450.0f;  // between the stream that comes and the one that leaves
+constexpr float k_canyon = 0.3f;         // weight from which on a stream does not pass
+constexpr float k_from_lake = 1.1f;      // radii from which on cuts and fills count
+constexpr float k_flood_step_m = 0.05f;  // a place counts as higher than the one before by this at least
+constexpr float k_cost_weight = 60.0f;   // m of length that 1 m of mean cut or fill costs
+constexpr float k_rise_weight = 10.0f;   // m of length that 1 m of rise or fall is worth
 constexpr float k_piece_m = 24.0f;
 constexpr float k_narrowest_m = 2.8f;     // half of the width: nodes are 16 m apart
 constexpr float k_dune_as_high_m = 14.0f; // by which dunes count as higher land
@@ -54,18 +59,8 @@ float from_site_m(int i, int j) {
 
 void read_land(const TerrainTables& t, const TerrainKernels& kernels, const LakeSite& lake, Land& land) {
     constexpr int k_row = (k_side + 7) / 8 * 8;
-    std::vector<float> memory(static_cast<size_t>(k_sum_fields + 1 + k_node_fields + k_row_scratch) * k_row);
-    float* to = memory.data();
-    const auto take = [&] {
-        float* row = to;
-        to += k_row;
-        return row;
-    };
-    BaseRow row{};
-    for (float*& sum : row.sum) sum = take();
-    row.height = take();
-    for (float*& field : row.field) field = take();
-    for (float*& scratch : row.scratch) scratch = take();
+    std::vector<float> memory(static_cast<size_t>(k_base_rows) * k_row);
+    const BaseRow row = base_row_in(memory.data(), k_row);
     constexpr auto k_step_half_m = static_cast<int64_t>(2.0f * k_step_m);
     for (int j = 0; j < k_side; ++j) {
         const SampleRow sample{lake.x_half_m - k_middle * k_step_half_m, lake.y_half_m + (j - k_middle) * k_step_half_m,
@@ -78,7 +73,7 @@ void read_land(const TerrainTables& t, const TerrainKernels& kernels, const Lake
             const auto at = static_cast<size_t>(j * k_side + i);
             land.height[at] = row.height[i];
             land.avoid[at] = k_dune_as_high_m * dune[i];
-            land.open[at] = canyon[i] < 0.3f && from_site_m(i, j) < k_furthest_m;
+            land.open[at] = canyon[i] < k_canyon && from_site_m(i, j) < k_furthest_m;
         }
     }
     const int64_t lattice = 2 * k_lake_lattice_m;
@@ -104,6 +99,19 @@ struct Point {
     float level_m;
 };
 
+/// Whether a place is less than 60 degrees away from another way as seen from the lake, or anywhere near it.
+bool is_taken(const std::vector<Point>& way, const LakeSite& lake, float x, float y) {
+    if (way.empty()) return false;
+    const Point& end = way.back();
+    if (x * end.x_m + y * end.y_m > 0.5f * std::sqrt((x * x + y * y) * (end.x_m * end.x_m + end.y_m * end.y_m)))
+        return true;
+    return std::any_of(way.begin(), way.end(), [&](const Point& p) {
+        const float dx = p.x_m - x, dy = p.y_m - y;
+        return p.x_m * p.x_m + p.y_m * p.y_m > lake.radius_m * lake.radius_m &&
+               dx * dx + dy * dy < k_other_way_m * k_other_way_m;
+    });
+}
+
 /// The best way of a stream from the lake (rise = 1: upstream, -1: downstream), or none. `taken`: another way.
 std::vector<Point> find_way(const LakeSite& lake, const Land& land, float rise, const std::vector<Point>& taken) {
     struct Place {
@@ -119,19 +127,6 @@ std::vector<Point> find_way(const LakeSite& lake, const Land& land, float rise, 
     places[k_start].level_m = lake.level_m;
     places[k_start].seen = true;
     queue.emplace(lake.level_m, k_start);
-    const auto is_taken = [&](float x, float y) {
-        if (taken.empty()) return false;
-        // At least 60 degrees away as seen from the lake, and never near.
-        if (x * taken.back().x_m + y * taken.back().y_m >
-            0.5f * std::sqrt((x * x + y * y) *
-                             (taken.back().x_m * taken.back().x_m + taken.back().y_m * taken.back().y_m)))
-            return true;
-        return std::any_of(taken.begin(), taken.end(), [&](const Point& p) {
-            const float dx = p.x_m - x, dy = p.y_m - y;
-            return p.x_m * p.x_m + p.y_m * p.y_m > lake.radius_m * lake.radius_m &&
-                   dx * dx + dy * dy < k_other_way_m * k_other_way_m;
-        });
-    };
     int best = -1;
     float best_score = k_shortest_m;
     while (!queue.empty()) {
@@ -152,25 +147,24 @@ std::vector<Point> find_way(const LakeSite& lake, const Land& land, float rise, 
                 const int dot = di * from.di + dj * from.dj;
                 const int squares = (di * di + dj * dj) * (from.di * from.di + from.dj * from.dj);
                 if (at != k_start && (dot <= 0 || 2 * dot * dot < squares)) continue;
-                const float radii = away / lake.radius_m;
                 const float step = k_step_m * (di != 0 && dj != 0 ? 1.4142135f : 1.0f);
                 float level = lake.level_m, cost = from.cost;
                 if (away > k_lake_water * lake.radius_m + k_lake_water_m) {
                     const float rises = rise * (land.height[n] - k_below_banks_m - from.level_m) / step;
                     level = from.level_m + rise * step * std::clamp(rises, k_least_fall, k_most_fall);
                 }
-                if (radii > 1.1f) {
+                if (away / lake.radius_m > k_from_lake) {
                     const float cut = land.height[n] - level;
                     if (cut > k_deepest_cut_m || cut < -k_highest_fill_m) continue;
-                    if (is_taken(place_m(i), place_m(j))) continue;
+                    if (is_taken(taken, lake, place_m(i), place_m(j))) continue;
                     cost += step * (std::abs(cut - k_below_banks_m) + land.avoid[n]);
                 }
                 place = {level, from.length_m + step, cost, at, di, dj, true};
-                queue.emplace(std::max(height + 0.05f, land.height[n] + land.avoid[n]), next);
+                queue.emplace(std::max(height + k_flood_step_m, land.height[n] + land.avoid[n]), next);
                 const float outside = place.length_m - k_lake_water * lake.radius_m;
                 if (outside < 0.5f * k_shortest_m) continue;
-                const float score =
-                    place.length_m - 60.0f * cost / place.length_m + 10.0f * std::abs(level - lake.level_m);
+                const float score = place.length_m - k_cost_weight * cost / place.length_m +
+                                    k_rise_weight * std::abs(level - lake.level_m);
                 if (score > best_score) {
                     best_score = score;
                     best = next;
@@ -308,20 +302,14 @@ void find_streams_near(const TerrainTables& t, const TerrainKernels& kernels, in
                        const std::vector<LakeSite>& lakes, std::vector<StreamPiece>& pieces) {
     pieces.clear();
     if (!has_streams(t, level)) return;
-    const int64_t unit = int64_t{2} << level;
-    const int64_t margin = node_margin_half_m(level);
-    const int64_t x0 = rect.x0 * unit - margin, x1 = rect.x1 * unit + margin;
-    const int64_t y0 = rect.y0 * unit - margin, y1 = rect.y1 * unit + margin;
-    constexpr auto k_far = static_cast<int64_t>(2.0f * (k_stream_far_m + k_stream_reach_m));
+    const CellRect reach = node_reach_half_m(rect, level);
     std::vector<StreamPiece> planned;
     for (const LakeSite& lake : lakes) {
-        if (lake.x_half_m + k_far < x0 || lake.x_half_m - k_far > x1 || lake.y_half_m + k_far < y0 ||
-            lake.y_half_m - k_far > y1)
-            continue;
+        if (!reach.grown(k_stream_site_half_m).contains(Cell{lake.x_half_m, lake.y_half_m})) continue;
         planned.clear();
         plan_streams(t, kernels, lake, planned);
         for (const StreamPiece& piece : planned)
-            if (reaches(piece, x0, y0, x1, y1)) pieces.push_back(piece);
+            if (reaches(piece, reach.x0, reach.y0, reach.x1, reach.y1)) pieces.push_back(piece);
     }
 }
 

@@ -15,6 +15,9 @@
 /// nearer to its own site than to any other site, by a margin.
 namespace sahel {
 
+/// From its lake's site, a stream changes nothing beyond this.
+inline constexpr auto k_stream_site_half_m = static_cast<int64_t>(2.0f * (k_stream_far_m + k_stream_reach_m)) + 1;
+
 /// Whether cells of a level show streams.
 bool has_streams(const TerrainTables& tables, int32_t level);
 

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -32,6 +33,10 @@ struct Target {
     void (*run)(std::span<const uint8_t> bytes);
     std::vector<Bytes> (*seeds)();
 };
+/// Names of tests hold the target's, not its addresses.
+inline void PrintTo(const Target& target, std::ostream* out) {
+    *out << target.name;
+}
 /// Every target of this program, by name.
 std::vector<Target>& targets();
 struct Registered {

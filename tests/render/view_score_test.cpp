@@ -58,9 +58,9 @@ Metres lake(double x_m, double y_m, double radius_m) {
     return [=](double x, double y) { return std::hypot(x - x_m, y - y_m) < radius_m ? 3.0 : 0.0; };
 }
 
-ViewMeasures look_east(const Land& land, double sun_azimuth_deg = 90.0) {
+ViewMeasures look_east(const Land& land, double sun_azimuth_deg = 90.0, double eye_m = 91.0, double pitch_deg = -8.0) {
     ViewTerrain terrain(land);
-    const CameraPose pose{.eye_m = {0.0, 0.0, 91.0}, .yaw_deg = 0.0, .pitch_deg = -8.0};
+    const CameraPose pose{.eye_m = {0.0, 0.0, eye_m}, .yaw_deg = 0.0, .pitch_deg = pitch_deg};
     return measure_view(cast_panorama(terrain, pose.eye_m, 8000.0), pose, sun_azimuth_deg, 12.0);
 }
 
@@ -86,11 +86,7 @@ TEST(ViewScore, AShoreLeadsIntoThePictureAndIsThatOfALake) {
     const auto water_where = [](bool (*wet)(double x, double y)) {
         return [wet](double x, double y) { return wet(x, y) ? 3.0 : 0.0; };
     };
-    const auto seen = [](const Land& land) {
-        ViewTerrain terrain(land);
-        const CameraPose pose{.eye_m = {0.0, 0.0, 6.0}, .yaw_deg = 0.0, .pitch_deg = -4.0};
-        return measure_view(cast_panorama(terrain, pose.eye_m, 8000.0), pose, 90.0, 12.0);
-    };
+    const auto seen = [](const Land& land) { return look_east(land, 90.0, 6.0, -4.0); };
     const ViewMeasures across = seen(Land(plain, water_where([](double x, double) { return x > 30.0; })));
     const ViewMeasures aside = seen(Land(plain, water_where([](double, double y) { return y > 8.0; })));
     const ViewMeasures stream = seen(Land(plain, water_where([](double, double y) { return y > 8.0 && y < 22.0; })));

@@ -24,10 +24,7 @@ using test::terrain_of;
 
 constexpr int64_t k_reach_half_m = 2 * 40000;
 
-struct Stream {
-    LakeSite lake;
-    std::vector<StreamPiece> pieces; ///< from the lake to the end
-};
+using Stream = std::vector<StreamPiece>; // from the lake to the end
 
 std::vector<LakeSite> lakes_of(const BaseTerrain& terrain) {
     std::vector<LakeSite> lakes;
@@ -44,12 +41,12 @@ std::vector<Stream> streams_of(const BaseTerrain& terrain, const LakeSite& lake)
     for (const StreamPiece& piece : pieces) {
         const bool follows = [&] {
             if (streams.empty()) return false;
-            const StreamPiece& last = streams.back().pieces.back();
+            const StreamPiece& last = streams.back().back();
             return last.x_half_m + std::llround(2.0f * last.dx_m) == piece.x_half_m &&
                    last.y_half_m + std::llround(2.0f * last.dy_m) == piece.y_half_m;
         }();
-        if (!follows) streams.push_back({lake, {}});
-        streams.back().pieces.push_back(piece);
+        if (!follows) streams.emplace_back();
+        streams.back().push_back(piece);
     }
     return streams;
 }
@@ -57,9 +54,9 @@ std::vector<Stream> streams_of(const BaseTerrain& terrain, const LakeSite& lake)
 double length_m(const StreamPiece& p) {
     return std::hypot(p.dx_m, p.dy_m);
 }
-double from_lake_m(const StreamPiece& p, const LakeSite& lake) {
-    return 0.5 *
-           std::hypot(static_cast<double>(p.x_half_m - lake.x_half_m), static_cast<double>(p.y_half_m - lake.y_half_m));
+/// Between lakes and beginnings of pieces.
+template <class A, class B> double apart_m(const A& a, const B& b) {
+    return 0.5 * std::hypot(static_cast<double>(a.x_half_m - b.x_half_m), static_cast<double>(a.y_half_m - b.y_half_m));
 }
 
 class TerrainStreams : public testing::TestWithParam<std::string_view> {};
@@ -73,16 +70,16 @@ TEST_P(TerrainStreams, ManyLakesHaveOneThatFallsToThemOrAwayFromThem) {
     double longest_m = 0.0, steepest = 0.0;
     for (const LakeSite& lake : lakes)
         for (const Stream& stream : streams_of(terrain, lake)) {
-            const StreamPiece &first = stream.pieces.front(), &last = stream.pieces.back();
-            EXPECT_LT(from_lake_m(first, lake), 0.5 * lake.radius_m);
+            const StreamPiece &first = stream.front(), &last = stream.back();
+            EXPECT_LT(apart_m(first, lake), 0.5 * lake.radius_m);
             EXPECT_EQ(first.level_m, lake.level_m);
             EXPECT_LT(last.half_m, 2.5f); // ends gently
             const bool rises = last.level_end_m > lake.level_m;
             (rises ? fed : drained) += 1;
             double length = 0.0;
-            for (const StreamPiece& p : stream.pieces) {
+            for (const StreamPiece& p : stream) {
                 length += length_m(p);
-                EXPECT_LE(from_lake_m(p, lake), k_stream_far_m);
+                EXPECT_LE(apart_m(p, lake), k_stream_far_m);
                 EXPECT_GE((p.level_end_m - p.level_m) * (rises ? 1.0f : -1.0f), 0.0f);
                 if (length_m(p) > 0.0) steepest = std::max(steepest, std::abs(p.level_end_m - p.level_m) / length_m(p));
             }
@@ -108,13 +105,9 @@ TEST_P(TerrainStreams, NoneComesBackToItself) {
     double nearest_m = 1e9;
     for (const LakeSite& lake : lakes_of(terrain))
         for (const Stream& stream : streams_of(terrain, lake))
-            for (size_t a = 0; a < stream.pieces.size(); ++a)
-                for (size_t b = a + 8; b < stream.pieces.size(); ++b) { // 192 m along it
-                    const StreamPiece &p = stream.pieces[a], &q = stream.pieces[b];
-                    const double d = 0.5 * std::hypot(static_cast<double>(p.x_half_m - q.x_half_m),
-                                                      static_cast<double>(p.y_half_m - q.y_half_m));
-                    nearest_m = std::min(nearest_m, d);
-                }
+            for (size_t a = 0; a < stream.size(); ++a)
+                for (size_t b = a + 8; b < stream.size(); ++b) // 192 m along it
+                    nearest_m = std::min(nearest_m, apart_m(stream[a], stream[b]));
     std::printf("  %s: nearest %.0f m\n", std::string(GetParam()).c_str(), nearest_m);
     EXPECT_GT(nearest_m, 50.0);
 }
@@ -130,11 +123,7 @@ TEST_P(TerrainStreams, ThoseOfTwoLakesNeverMeet) {
     for (size_t a = 0; a < all.size(); ++a)
         for (size_t b = 0; b < a; ++b)
             for (const StreamPiece& p : all[a])
-                for (const StreamPiece& q : all[b]) {
-                    const double d = 0.5 * std::hypot(static_cast<double>(p.x_half_m - q.x_half_m),
-                                                      static_cast<double>(p.y_half_m - q.y_half_m));
-                    nearest_m = std::min(nearest_m, d);
-                }
+                for (const StreamPiece& q : all[b]) nearest_m = std::min(nearest_m, apart_m(p, q));
     std::printf("  %s: nearest %.0f m\n", std::string(GetParam()).c_str(), nearest_m);
     EXPECT_GT(nearest_m, k_stream_reach_m); // so no valley reaches into the bed of another
 }
@@ -148,7 +137,7 @@ TEST_P(TerrainStreams, WaterStandsInTheBedFromEndToEndAndNowhereAboveItsBanks) {
     for (const LakeSite& lake : lakes_of(terrain))
         for (const Stream& stream : streams_of(terrain, lake)) {
             if (++looked_at > most) continue;
-            for (const StreamPiece& p : stream.pieces) {
+            for (const StreamPiece& p : stream) {
                 const int64_t x = floor_div(p.x_half_m, 2), y = floor_div(p.y_half_m, 2);
                 const LayerBlock block = read_rect(terrain, 0, {x - 24, y - 24, x + 24, y + 24}, 0, k_surface_layers);
                 find_walls(block, walls);
@@ -173,7 +162,7 @@ TEST_P(TerrainStreams, SameBitsForAnyRectangleAndInstructionSet) {
     for (const LakeSite& lake : lakes_of(terrain))
         for (const Stream& stream : streams_of(terrain, lake)) {
             if (++looked_at > 4) continue;
-            const StreamPiece& p = stream.pieces[stream.pieces.size() / 2];
+            const StreamPiece& p = stream[stream.size() / 2];
             for (const int32_t level : {0, 1, 2, 3, 4, 5, 6}) {
                 const int64_t x = floor_div(p.x_half_m, 2) >> level, y = floor_div(p.y_half_m, 2) >> level;
                 const CellRect rect{x - 70, y - 30, x + 61, y + 33};
